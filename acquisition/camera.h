@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "luminaire/bench.h"
+#include "luminaire/error.h"
+#include "luminaire/raw_image.h"
+
+namespace lumifield {
+
+struct CameraInfo {
+  std::string vendor, model, serial, address;
+  int sensor_width_px = 0, sensor_height_px = 0;
+};
+
+/// The role of a camera: one complete frame per call, exposed when asked. Thread-bound: opened, used and destroyed by the
+/// bench thread. Destroying one may block for seconds after the link was lost.
+class Camera {
+ public:
+  virtual ~Camera() = default;
+
+  virtual const CameraInfo& info() const = 0;
+
+  /// Exposes one frame and waits for it. Only complete frames are returned; an incomplete one is taken again a bounded
+  /// number of times and counted. `exposure_s` in the result is what the camera reports.
+  /// Errors: no frame within the exposure + 300 ms, camera gone, exposure outside the camera's range.
+  virtual Result<RawImage> expose(double exposure_s) = 0;
+
+  /// Incomplete frames taken again since opening.
+  virtual int frames_retaken() const = 0;
+};
+
+/// Opens the camera that a bench file names, applies its pixel format, gain, and full region, and verifies what the
+/// camera took. Errors: nothing at the address, held by another program, format not offered, kind unknown.
+Result<std::unique_ptr<Camera>> open_camera(const CameraSettings& settings);
+
+/// One line of `lumifield devices`.
+struct DeviceReport {
+  std::string role;      ///< "camera" | "stage"
+  std::string name;      ///< vendor model serial
+  std::string address;
+  bool usable = false;
+  std::string reason, remedy;  ///< why not and what to do
+};
+
+/// Every camera that answers, usable or not. Takes about a second (GigE Vision discovery).
+std::vector<DeviceReport> find_cameras();
+
+}  // namespace lumifield

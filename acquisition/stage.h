@@ -1,0 +1,49 @@
+#pragma once
+
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "acquisition/camera.h"
+#include "luminaire/bench.h"
+#include "luminaire/error.h"
+
+namespace lumifield {
+
+struct StageInfo {
+  std::string firmware;  ///< as the controller names itself
+  std::string path;
+  double rapid_mm_s = 0, acceleration_mm_s2 = 0;  ///< of the slower axis, as the controller reports them
+  Vec2 travel_mm{0, 0};                           ///< as the controller reports it
+};
+
+/// The role of a two-axis stage. Positions are stage readings q in mm. Thread-bound to the bench thread but for halt().
+class Stage {
+ public:
+  virtual ~Stage() = default;
+
+  virtual const StageInfo& info() const = 0;
+
+  /// Finds the reference switches. Blocks until done.
+  virtual Status home(std::stop_token stop = {}) = 0;
+
+  /// Moves and blocks until the controller says that it stands still. A requested stop halts the motion and returns an
+  /// Error. Errors: alarm, limit, no answer, target refused.
+  virtual Status move_to(const Vec2& target_mm, std::stop_token stop = {}) = 0;
+
+  /// Reads the position back from the controller.
+  virtual Result<Vec2> position() = 0;
+
+  /// Decelerates to a stand-still as fast as the controller can without losing its position. Thread-safe.
+  virtual void halt() = 0;
+};
+
+/// Opens the stage that a bench file names. One owner per port (TIOCEXCL and flock).
+/// Errors: path missing, busy, silent, garbage, an alarm that homing does not clear, kind unknown.
+Result<std::unique_ptr<Stage>> open_stage(const StageSettings& settings);
+
+/// Serial ports that look like a stage (/dev/ttyUSB*, /dev/ttyACM*) and `path` if given, usable or not.
+std::vector<DeviceReport> find_stages(const std::string& path = {});
+
+}  // namespace lumifield

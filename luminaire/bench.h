@@ -1,0 +1,105 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "luminaire/basis.h"
+#include "luminaire/error.h"
+#include "luminaire/geometry.h"
+
+namespace lumifield {
+
+/// The bench file ("format": "lumifield-bench", version 1): which devices, how they stand, what they are calibrated to.
+/// Every member that the file may leave out has its default here; `lumifield check` prints them. Value types.
+
+struct CameraSettings {
+  std::string kind = "aravis";        ///< "aravis" | "v4l2" | "replay"
+  std::string address;                ///< host address, id, serial or path, by kind
+  std::string pixel_format = "Mono12";  ///< GenICam spelling
+  double gain = 0;                    ///< dB
+  double readout_s = 0.02;            ///< from end of exposure to the frame in memory, for predictions
+  int packet_bytes = 8192;            ///< GigE Vision stream packet
+};
+
+struct StageSettings {
+  std::string kind = "grbl";  ///< "grbl" | "apt"
+  std::string path;           ///< serial device
+  double rapid_mm_s = 0;      ///< speed used for predictions; 0 = ask the controller
+  double acceleration_mm_s2 = 0;
+  bool home = true;           ///< home before the scan
+};
+
+/// Which of the two the stage moves.
+enum class StageCarries { slide, lamp };
+
+/// Stage reading q ↦ linear·q + origin. Carrying the slide this is the filter's centre u on plane U; carrying the lamp it
+/// is the lamp's displacement, so that u = −(linear·q + origin).
+struct StageToLuminaire {
+  Eigen::Matrix2d linear = Eigen::Matrix2d::Identity();
+  Vec2 origin_mm{0, 0};
+};
+
+/// Allowed stage readings, per axis.
+struct StageLimits {
+  Vec2 low_mm{0, 0}, high_mm{0, 0};
+};
+
+/// Pinhole with Brown–Conrady distortion (k1, k2, p1, p2, k3; OpenCV's order) and a radial relative illumination.
+struct CameraModel {
+  int width_px = 0, height_px = 0;
+  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< px; pixel (0, 0) has its centre at (0, 0)
+  std::array<double, 5> distortion{};
+  /// Bench frame (mm; the luminaire frame when nothing is displaced) → camera frame (+z forward, +y down).
+  Pose pose = Pose::Identity();
+  /// Relative illumination V = 1 + v1 ρ² + v2 ρ⁴ + v3 ρ⁶, ρ = tan of the undistorted field angle.
+  std::array<double, 3> vignetting{};
+};
+
+/// Counts to irradiance. e⁻ in a pixel = responsivity · V · E · exposure, E the irradiance on the screen in W/m².
+struct Sensor {
+  double black_level_dn = 0;
+  double gain_dn_per_e = 1;     ///< at Gain 0 dB
+  double read_noise_e = 0;
+  double saturation_dn = 4095;  ///< DN at or above are saturated
+  std::vector<double> responsivity;  ///< e⁻/(s · W/m²) per channel (one, or R G B)
+  std::string responsivity_date, responsivity_source;  ///< empty = uncalibrated: the dataset is `relative`
+};
+
+/// One stage offset: with the stage at q + offset_mm the pass' filter stands where the first one stood at q.
+struct FilterPass {
+  std::string name;
+  Vec2 offset_mm{0, 0};  ///< in stage coordinates
+  double scale = 0;      ///< ±k of Dual, times 1/(a_x a_y): C = Σ scale·E/(a_x a_y)
+};
+
+struct FilterSlide {
+  BasisKind basis = BasisKind::bell;
+  Vec2 spacing_mm{0, 0};
+  int window = 0;  ///< of the dual, spacings
+  std::vector<FilterPass> passes;
+  Vec2 dark_offset_mm{0, 0};  ///< the opaque patch, in stage coordinates
+};
+
+struct Bench {
+  std::string name;
+  CameraSettings camera;
+  StageSettings stage;
+  StageCarries stage_carries = StageCarries::slide;
+  StageToLuminaire stage_to_luminaire;
+  StageLimits limits;
+  double tolerance_mm = 0.02;
+  Vec2 lamp_size_mm{0, 0};
+  double separation_mm = 0;
+  CameraModel camera_model;
+  Sensor sensor;
+  FilterSlide filter;
+};
+
+Result<Bench> read_bench(const std::filesystem::path& file);
+/// `name` stands for the file in error messages.
+Result<Bench> parse_bench(std::string_view json, std::string_view name);
+std::string to_json(const Bench& bench);
+
+}  // namespace lumifield

@@ -1,0 +1,78 @@
+#include "luminaire/light_field.h"
+
+#include <cmath>
+
+namespace lumifield {
+
+std::string to_string(CellIndex cell) { return "(" + std::to_string(cell.row) + ", " + std::to_string(cell.column) + ")"; }
+
+std::string_view to_string(Quantity q) {
+  switch (q) {
+    case Quantity::radiance: return "radiance";
+    case Quantity::luminance: return "luminance";
+    case Quantity::relative: return "relative";
+  }
+  return "";
+}
+
+std::string_view unit_of(Quantity q) {
+  switch (q) {
+    case Quantity::radiance: return "W/(m^2 sr)";
+    case Quantity::luminance: return "cd/m^2";
+    case Quantity::relative: return "relative";
+  }
+  return "";
+}
+
+std::string_view irradiance_unit_of(Quantity q) {
+  switch (q) {
+    case Quantity::radiance: return "W/m^2";
+    case Quantity::luminance: return "lx";
+    case Quantity::relative: return "relative";
+  }
+  return "";
+}
+
+LightField::LightField(LuminaireGeometry geometry)
+    : geometry_(std::move(geometry)), cells_(static_cast<std::size_t>(geometry_.sampling.cells())) {}
+
+Status LightField::add(CellIndex cell, CellImage image) {
+  return add(cell, std::make_shared<const CellImage>(std::move(image)));
+}
+
+Status LightField::add(CellIndex cell, std::shared_ptr<const CellImage> image) {
+  const std::string where = "cell " + to_string(cell);
+  const Measurement& m = geometry_.measurement;
+  if (!geometry_.sampling.contains(cell)) return fail("lies outside the grid of cells", where, "check row and column");
+  const int channels = static_cast<int>(geometry_.channels.size());
+  if (image->width_px != m.width_px || image->height_px != m.height_px || image->channels != channels ||
+      image->value.size() != image->plane() * static_cast<std::size_t>(channels))
+    return fail("its image has another size or number of channels than the luminaire", where, "measure it again");
+  for (std::size_t k = 0; k < image->value.size(); ++k)
+    if (!std::isfinite(image->value[k])) {
+      const std::size_t pixel = k % image->plane(), width = static_cast<std::size_t>(m.width_px);
+      return fail("its image holds NaN or Inf, first at pixel (" + std::to_string(pixel % width) + ", " +
+                      std::to_string(pixel / width) + ")",
+                  where, "measure it again");
+    }
+  cells_[static_cast<std::size_t>(geometry_.sampling.flat(cell))] = std::move(image);
+  return {};
+}
+
+std::shared_ptr<const CellImage> LightField::cell(CellIndex cell) const {
+  if (!geometry_.sampling.contains(cell)) return nullptr;
+  return cells_[static_cast<std::size_t>(geometry_.sampling.flat(cell))];
+}
+
+Coverage LightField::coverage() const {
+  Coverage coverage;
+  coverage.total = geometry_.sampling.cells();
+  for (int k = 0; k < coverage.total; ++k)
+    if (cells_[static_cast<std::size_t>(k)])
+      ++coverage.measured;
+    else
+      coverage.missing.push_back(geometry_.sampling.index(k));
+  return coverage;
+}
+
+}  // namespace lumifield

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "luminaire/light_field.h"
+
+namespace lumifield {
+
+enum class ScanOrder { serpentine, coarse_to_fine };
+
+struct ReferenceCell {
+  CellIndex cell;
+  int every = 0;       ///< cells between visits; 0 = only first and last
+  double limit = 0.01; ///< |drift| above is reported
+};
+
+struct QualityLimits {
+  double saturated_share = 0.001;
+  double median_snr = 20;
+};
+
+/// The plan file ("format": "lumifield-plan", version 1): what to scan and how carefully. Value type.
+struct Plan {
+  std::string name;
+  int columns = 0, rows = 0;
+  Vec2 center_mm{0, 0};
+  ScanOrder order = ScanOrder::serpentine;
+  Measurement measurement;
+  std::vector<double> exposures_s;  ///< ascending
+  double settle_s = 0.15;
+  int dark_every_cells = 0;         ///< 0 = one dark set, at the start
+  ReferenceCell reference;
+  double warm_up_s = 0;
+  QualityLimits limits;
+};
+
+Result<Plan> read_plan(const std::filesystem::path& file);
+Result<Plan> parse_plan(std::string_view json, std::string_view name);
+std::string to_json(const Plan& plan);
+
+}  // namespace lumifield

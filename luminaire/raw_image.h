@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "luminaire/geometry.h"
+#include "luminaire/light_field.h"
+
+namespace lumifield {
+
+/// Colour filter of each photosite; RGGB: even row even column R, even row odd column G, odd row odd column B.
+enum class SensorPattern { mono, rggb, grbg, gbrg, bggr };
+
+/// One complete frame as the sensor gave it. Only complete frames become one. Row-major, top row first, DN right-aligned
+/// in 16 bits. Value type, moved.
+struct RawImage {
+  int width_px = 0, height_px = 0;
+  int bits = 12;
+  SensorPattern pattern = SensorPattern::mono;
+  std::vector<std::uint16_t> dn;
+  double exposure_s = 0;  ///< as the camera reports it
+  double gain = 0;        ///< camera's Gain feature, dB
+  Vec2 stage_mm{0, 0};    ///< stage reading q while it was exposed
+  std::uint64_t frame_id = 0;
+};
+
+/// The exposures of one stage position, ascending exposure time.
+using Bracket = std::vector<RawImage>;
+
+/// The bracket behind the opaque patch, subtracted from all cells of its block.
+struct DarkSet {
+  Bracket bracket;
+  int block = 0;
+};
+
+/// One stage offset of a cell: the cell seen through the positive or the negative filter.
+struct RawPass {
+  std::string name;
+  Bracket bracket;
+  Vec2 stage_mm{0, 0};  ///< read back while exposing
+};
+
+/// Everything measured for one cell: all its passes in the bench's order, so that a stored cell is complete.
+struct RawCell {
+  CellIndex cell;
+  int generation = 1;
+  std::vector<RawPass> passes;
+  std::shared_ptr<const DarkSet> dark;
+  double position_error_mm = 0;  ///< worst |read back − commanded| over the passes
+  double drift = 0;              ///< last reference reading over the first, minus 1
+};
+
+/// One visit to the reference cell.
+struct ReferenceReading {
+  int cells_done = 0;
+  double signal_dn_per_s = 0;  ///< mean dark-subtracted DN/s of the chosen exposure of the first pass
+  double drift = 0;            ///< against the first reading of the scan
+};
+
+}  // namespace lumifield

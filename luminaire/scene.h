@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "luminaire/error.h"
+#include "luminaire/geometry.h"
+
+namespace lumifield {
+
+/// Overrides one material of the mesh by name; what is unset stays as the MTL file has it. Reflectances are 0 … 1.
+struct MaterialOverride {
+  std::optional<std::array<double, 3>> diffuse;
+};
+
+struct SceneCamera {
+  Vec3 position_mm{0, 0, 0}, target_mm{0, 0, 0}, up{0, 0, 1};
+  double fov_y_deg = 45;
+};
+
+/// A luminaire placed in the scene. pose: luminaire frame → scene frame, mm, rigid. scale multiplies its light.
+struct ScenePlacement {
+  Pose pose = Pose::Identity();
+  double scale = 1;
+};
+
+/// The scene file ("format": "lumifield-scene", version 1). Paths are resolved and lie inside the file's folder.
+struct Scene {
+  std::string name;
+  std::filesystem::path mesh;  ///< OBJ, mm
+  std::map<std::string, MaterialOverride> materials;
+  SceneCamera camera;
+  std::vector<ScenePlacement> luminaires;
+  std::optional<std::filesystem::path> environment;  ///< OpenEXR, latitude-longitude
+};
+
+Result<Scene> read_scene(const std::filesystem::path& file);
+/// `folder` is where relative paths start.
+Result<Scene> parse_scene(std::string_view json, std::string_view name, const std::filesystem::path& folder);
+
+}  // namespace lumifield

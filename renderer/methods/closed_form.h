@@ -1,0 +1,73 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "luminaire/error.h"
+#include "luminaire/light_field.h"
+
+namespace lumifield {
+
+/// A diffuse, unoccluded receiver in the luminaire frame: p in mm, n of unit length.
+struct Receiver {
+  Vec3 p_mm{0, 0, 0};
+  Vec3 n{0, 0, 1};
+};
+
+/// The irradiance of receivers as an exact sum over the pixels of every cell: no samples, no noise.
+///
+///     E_m(p, n) = δ²/(δ+Δ)³ ∫_U C_m(s(u)) Φ_m(u) max(0, n·(u−p)) du
+///
+/// For a support above the receiver's horizon the integrand is C times a polynomial, so each pixel contributes two
+/// moments of the basis per axis; at a cut horizon the crossed pixels are clipped and integrated exactly.
+///
+/// Host oracle: double precision throughout. Reentrant; reads the light field's cells at construction.
+class ClosedForm {
+ public:
+  explicit ClosedForm(const LightField& light_field);
+  ~ClosedForm();
+
+  /// E per channel, in the dataset's irradiance unit.
+  std::vector<double> irradiance(const Receiver& receiver) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The same sum as an OpenCL kernel, with one running sum in double per receiver and channel: a new cell costs one cell,
+/// a retaken one costs closed(C_new − C_old). Thread-bound to its creator.
+class ClosedFormDevice {
+ public:
+  /// Chooses the OpenCL device (LUMIFIELD_OPENCL names another, by a part of its name). Probes OpenCL in a child process
+  /// first: a driver that aborts becomes an Error.
+  static Result<std::unique_ptr<ClosedFormDevice>> create(const LuminaireGeometry& geometry);
+  ~ClosedFormDevice();
+
+  /// Replaces the receivers and clears the sums. A receiver with n = 0 gets 0 (background of a picture).
+  /// For pictures: 4 floats each, interleaved, p in mm and n, luminaire frame.
+  Status set_receivers(std::span<const Receiver> receivers);
+  Status set_receivers(std::span<const float> p_xyzw, std::span<const float> n_xyzw);
+
+  /// Adds one cell to all sums; with `replaces` adds the difference.
+  Status add_cell(CellIndex cell, const CellImage& image, const CellImage* replaces = nullptr);
+  /// Adds many in one go (a whole dataset after a change of view).
+  Status add_cells(std::span<const CellIndex> cells, std::span<const CellImage* const> images);
+
+  /// E, receiver-major: receivers · channels.
+  Status read(std::vector<float>& irradiance);
+  Status read(std::vector<double>& irradiance);
+
+  std::string device_name() const;
+  /// Kernel time of the last add, seconds, from OpenCL's own profiling.
+  double last_kernel_s() const;
+
+ private:
+  struct Impl;
+  explicit ClosedFormDevice(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lumifield
