@@ -15,12 +15,12 @@ namespace lumifield {
 /// Every member that the file may leave out has its default here; `lumifield check` prints them. Value types.
 
 struct CameraSettings {
-  std::string kind = "aravis";        ///< "aravis" | "v4l2" | "replay"
-  std::string address;                ///< host address, id, serial or path, by kind
+  std::string kind = "aravis";          ///< "aravis" | "v4l2" | "replay"
+  std::string address;                  ///< host address, id, serial or path, by kind
   std::string pixel_format = "Mono12";  ///< GenICam spelling
-  double gain = 0;                    ///< dB
-  double readout_s = 0.02;            ///< from end of exposure to the frame in memory, for predictions
-  int packet_bytes = 8192;            ///< GigE Vision stream packet
+  double gain = 0;                      ///< dB
+  double readout_s = 0.02;              ///< from end of exposure to the frame in memory, for predictions
+  int packet_bytes = 8192;              ///< GigE Vision stream packet
 };
 
 struct StageSettings {
@@ -28,14 +28,14 @@ struct StageSettings {
   std::string path;           ///< serial device
   double rapid_mm_s = 0;      ///< speed used for predictions; 0 = ask the controller
   double acceleration_mm_s2 = 0;
-  bool home = true;           ///< home before the scan
+  bool home = true;  ///< home before the scan
 };
 
 /// Which of the two the stage moves.
 enum class StageCarries { slide, lamp };
 
-/// Stage reading q ↦ linear·q + origin. Carrying the slide this is the filter's centre u on plane U; carrying the lamp it
-/// is the lamp's displacement, so that u = −(linear·q + origin).
+/// Stage reading q ↦ linear·q + origin. Carrying the slide this is the filter's centre u on plane U; carrying the lamp
+/// it is the lamp's displacement, so that u = −(linear·q + origin).
 struct StageToLuminaire {
   Eigen::Matrix2d linear = Eigen::Matrix2d::Identity();
   Vec2 origin_mm{0, 0};
@@ -60,10 +60,10 @@ struct CameraModel {
 /// Counts to irradiance. e⁻ in a pixel = responsivity · V · E · exposure, E the irradiance on the screen in W/m².
 struct Sensor {
   double black_level_dn = 0;
-  double gain_dn_per_e = 1;     ///< at Gain 0 dB
+  double gain_dn_per_e = 1;  ///< at Gain 0 dB
   double read_noise_e = 0;
-  double saturation_dn = 4095;  ///< DN at or above are saturated
-  std::vector<double> responsivity;  ///< e⁻/(s · W/m²) per channel (one, or R G B)
+  double saturation_dn = 4095;                         ///< DN at or above are saturated
+  std::vector<double> responsivity;                    ///< e⁻/(s · W/m²) per channel (one, or R G B)
   std::string responsivity_date, responsivity_source;  ///< empty = uncalibrated: the dataset is `relative`
 };
 
@@ -97,9 +97,11 @@ struct Bench {
   FilterSlide filter;
 };
 
-Result<Bench> read_bench(const std::filesystem::path& file);
+/// Defaults taken for absent members are appended to `defaults_taken`, one text each.
+Result<Bench> read_bench(const std::filesystem::path& file, std::vector<std::string>* defaults_taken = nullptr);
 /// `name` stands for the file in error messages.
-Result<Bench> parse_bench(std::string_view json, std::string_view name);
+Result<Bench> parse_bench(std::string_view json, std::string_view name,
+                          std::vector<std::string>* defaults_taken = nullptr);
 std::string to_json(const Bench& bench);
 
 }  // namespace lumifield

@@ -12,8 +12,8 @@ enum class ScanOrder { serpentine, coarse_to_fine };
 
 struct ReferenceCell {
   CellIndex cell;
-  int every = 0;       ///< cells between visits; 0 = only first and last
-  double limit = 0.01; ///< |drift| above is reported
+  int every = 0;        ///< cells between visits; 0 = only first and last
+  double limit = 0.01;  ///< |drift| above is reported
 };
 
 struct QualityLimits {
@@ -30,14 +30,16 @@ struct Plan {
   Measurement measurement;
   std::vector<double> exposures_s;  ///< ascending
   double settle_s = 0.15;
-  int dark_every_cells = 0;         ///< 0 = one dark set, at the start
+  int dark_every_cells = 0;  ///< 0 = one dark set, at the start
   ReferenceCell reference;
   double warm_up_s = 0;
   QualityLimits limits;
 };
 
-Result<Plan> read_plan(const std::filesystem::path& file);
-Result<Plan> parse_plan(std::string_view json, std::string_view name);
+/// Defaults taken for absent members are appended to `defaults_taken`, one text each.
+Result<Plan> read_plan(const std::filesystem::path& file, std::vector<std::string>* defaults_taken = nullptr);
+Result<Plan> parse_plan(std::string_view json, std::string_view name,
+                        std::vector<std::string>* defaults_taken = nullptr);
 std::string to_json(const Plan& plan);
 
 }  // namespace lumifield

@@ -1,0 +1,161 @@
+#include "luminaire/bench.h"
+
+#include <filesystem>
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace lumifield {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+/// The bench file as its documentation spells it, with every value filled in and nothing optional.
+constexpr const char* documented = R"({ "format": "lumifield-bench", "version": 1,
+  "camera": { "kind": "aravis", "address": "127.0.0.1", "pixel_format": "Mono12", "readout_s": 0.02 },
+  "stage": { "kind": "grbl" }, "stage_carries": "slide",
+  "stage_to_luminaire": { "linear": [[1,0],[0,1]], "origin_mm": [0,0] },
+  "limits_mm": { "low": [-40, -30], "high": [140, 120] }, "tolerance_mm": 0.02, "lamp_size_mm": [36, 22],
+  "planes": { "separation_mm": 150 },
+  "camera_model": { "width_px": 1024, "height_px": 768, "fx": 1200, "fy": 1201, "cx": 511.5, "cy": 383.5,
+    "distortion": [0.1, -0.02, 1e-4, 2e-4, 0], "pose": [1,0,0,10, 0,0,-1,20, 0,1,0,300, 0,0,0,1] },
+  "sensor": { "black_level_dn": 64, "gain_dn_per_e": 0.25, "read_noise_e": 3, "saturation_dn": 4000,
+    "responsivity": { "value": 1.5e6, "date": "2024-05-01", "source": "integrating sphere" } },
+  "filter": { "basis": "bell", "spacing_mm": [7.5,7.5], "window": 4,
+    "passes": [ { "name": "positive", "offset_mm": [0,0], "scale": 1.879 },
+                { "name": "negative", "offset_mm": [90,0], "scale": -0.300 } ],
+    "dark": { "offset_mm": [0,90] } } })";
+
+std::string refusal(const Json& json) {
+  const Result<Bench> bench = parse_bench(json.dump(), "bench.json");
+  return bench ? "accepted" : bench.error().message();
+}
+
+/// The documented bench with the value at `pointer` replaced.
+std::string refusal_with(const char* pointer, const Json& value) {
+  Json json = Json::parse(documented);
+  json[Json::json_pointer(pointer)] = value;
+  return refusal(json);
+}
+
+std::string refusal_without(const char* object, const char* key) {
+  Json json = Json::parse(documented);
+  json[Json::json_pointer(object)].erase(key);
+  return refusal(json);
+}
+
+TEST(Bench, ReadsTheDocumentedFile) {
+  std::vector<std::string> defaults;
+  const Result<Bench> read = parse_bench(documented, "bench.json", &defaults);
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_EQ(read->camera.address, "127.0.0.1");
+  EXPECT_EQ(read->camera.packet_bytes, 8192);
+  EXPECT_EQ(read->stage.home, true);
+  EXPECT_EQ(read->limits.low_mm, Vec2(-40, -30));
+  EXPECT_EQ(read->limits.high_mm, Vec2(140, 120));
+  EXPECT_EQ(read->lamp_size_mm, Vec2(36, 22));
+  EXPECT_EQ(read->separation_mm, 150);
+  EXPECT_EQ(read->camera_model.pose(2, 3), 300);
+  EXPECT_EQ(read->camera_model.pose(1, 2), -1);
+  EXPECT_EQ(read->camera_model.distortion[1], -0.02);
+  EXPECT_EQ(read->sensor.responsivity, std::vector<double>{1.5e6});
+  ASSERT_EQ(read->filter.passes.size(), 2u);
+  EXPECT_EQ(read->filter.passes[1].name, "negative");
+  EXPECT_EQ(read->filter.passes[1].offset_mm, Vec2(90, 0));
+  EXPECT_EQ(read->filter.passes[1].scale, -0.3);
+  EXPECT_EQ(read->filter.dark_offset_mm, Vec2(0, 90));
+  EXPECT_THAT(defaults, testing::Contains("bench.json: stage.home is absent, taken as true"));
+  EXPECT_THAT(defaults, testing::Contains("bench.json: camera_model.vignetting is absent, taken as [0, 0, 0]"));
+}
+
+TEST(Bench, ReturnsTheSameAfterWritingAndReading) {
+  Bench bench = *parse_bench(documented, "bench.json");
+  bench.name = "Prüfstand \"7\"";
+  bench.camera.gain = 1.0 / 3;
+  bench.stage.path = "/dev/ttyACM0";
+  bench.stage.home = false;
+  bench.stage_carries = StageCarries::lamp;
+  bench.stage_to_luminaire.linear << 0, -1, 1, 0.001;
+  bench.camera_model.vignetting = {-0.1, 0.02, 1e-300};
+  bench.sensor.responsivity = {1, 2, 0.1};
+  const std::string once = to_json(bench);
+  const Result<Bench> read = parse_bench(once, "bench.json");
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_EQ(to_json(*read), once);
+  EXPECT_EQ(read->camera.gain, bench.camera.gain);
+  EXPECT_EQ(read->stage_carries, StageCarries::lamp);
+  EXPECT_EQ(read->stage_to_luminaire.linear, bench.stage_to_luminaire.linear);
+  EXPECT_EQ(read->camera_model.vignetting, bench.camera_model.vignetting);
+  EXPECT_EQ(read->sensor.responsivity, bench.sensor.responsivity);
+  EXPECT_EQ(read->name, bench.name);
+}
+
+TEST(Bench, IgnoresUnknownMembers) { EXPECT_EQ(refusal_with("/camera/colour_of_the_case", "red"), "accepted"); }
+
+TEST(Bench, NamesThePlaceOfWhatIsWrong) {
+  EXPECT_THAT(refusal_without("/camera", "address"), HasSubstr("bench.json: camera.address: is missing"));
+  EXPECT_THAT(refusal_with("/camera/address", 7), HasSubstr("bench.json: camera.address: has the wrong type"));
+  EXPECT_THAT(refusal_with("/camera", "aravis"), HasSubstr("bench.json: camera: has the wrong type"));
+  EXPECT_THAT(refusal_with("/camera/kind", "usb"),
+              HasSubstr("camera.kind: \"usb\" is not known; make it one of \"aravis\""));
+  EXPECT_THAT(refusal_with("/camera/packet_bytes", 1500.5), HasSubstr("camera.packet_bytes: is out of range"));
+  EXPECT_THAT(refusal_with("/stage/home", 1), HasSubstr("stage.home: has the wrong type; make it true or false"));
+  EXPECT_THAT(refusal_with("/stage_to_luminaire/linear", Json({{1, 2}, {2, 4}})), HasSubstr("cannot be inverted"));
+  EXPECT_THAT(refusal_with("/limits_mm/low/0", 140), HasSubstr("limits_mm: has a low limit not below the high one"));
+  EXPECT_THAT(refusal_with("/planes/separation_mm", 0), HasSubstr("planes.separation_mm: is out of range (0)"));
+  EXPECT_THAT(refusal_with("/camera_model/width_px", 1000000), HasSubstr("camera_model.width_px: is out of range"));
+  EXPECT_THAT(refusal_with("/camera_model/distortion", Json({1, 2})),
+              HasSubstr("camera_model.distortion: has 2 elements"));
+  EXPECT_THAT(refusal_with("/camera_model/distortion/3", nullptr),
+              HasSubstr("camera_model.distortion[3]: has the wrong type"));
+  EXPECT_THAT(refusal_with("/camera_model/pose/0", 2), HasSubstr("camera_model.pose: is no rigid placement"));
+  EXPECT_THAT(refusal_with("/camera_model/pose/15", 0), HasSubstr("camera_model.pose: is no rigid placement"));
+  EXPECT_THAT(refusal_with("/sensor/saturation_dn", 64), HasSubstr("sensor.saturation_dn: is out of range"));
+  EXPECT_THAT(refusal_with("/sensor/responsivity/value", Json({1, 2})), HasSubstr("sensor.responsivity.value: has 2"));
+  EXPECT_THAT(refusal_with("/filter/window", 1), HasSubstr("filter.window: is out of range (1)"));
+  EXPECT_THAT(refusal_with("/filter/passes", Json::array()), HasSubstr("filter.passes: has 0 elements"));
+  EXPECT_THAT(refusal_with("/filter/passes/1/name", "positive"), HasSubstr("filter.passes[1].name: is used twice"));
+  EXPECT_THAT(refusal_with("/filter/passes/1/scale", 0), HasSubstr("filter.passes[1].scale: is zero"));
+}
+
+TEST(Bench, RefusesAnotherFormatOrVersion) {
+  EXPECT_THAT(refusal_with("/format", "lumifield-plan"), HasSubstr("format: is not \"lumifield-bench\""));
+  EXPECT_THAT(refusal_with("/version", 2), HasSubstr("version: is a version this program does not know"));
+  EXPECT_THAT(refusal_without("", "version"), HasSubstr("version: is missing"));
+}
+
+TEST(Bench, RefusesWhatIsNoJson) {
+  const auto message = [](std::string_view text) { return parse_bench(text, "bench.json").error().message(); };
+  EXPECT_THAT(message(""), HasSubstr("bench.json: is no valid JSON"));
+  EXPECT_THAT(message("[1]"), HasSubstr("holds no JSON object"));
+  EXPECT_THAT(message(std::string_view(documented).substr(0, 300)), HasSubstr("is no valid JSON"));
+  EXPECT_THAT(message(R"({"format": NaN})"), HasSubstr("is no valid JSON"));
+  EXPECT_THAT(message(R"({"format": 1e999})"), HasSubstr("is no valid JSON"));
+  EXPECT_THAT(message(std::string(100'000, '[')), HasSubstr("is nested deeper than 32 levels"));
+  EXPECT_THAT(message("{\"a\":[" + std::string(500'000, ',') + "]}"), HasSubstr("holds more than 400000 values"));
+  EXPECT_THAT(message(std::string(5 << 20, ' ')), HasSubstr("holds more than 4194304 bytes"));
+}
+
+TEST(Bench, NotFiniteNumbersDoNotComeBack) {
+  Bench bench = *parse_bench(documented, "bench.json");
+  bench.tolerance_mm = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(parse_bench(to_json(bench), "bench.json").error().message(),
+              HasSubstr("tolerance_mm: has the wrong type"));
+}
+
+TEST(Bench, ReadsFilesAndSaysWhyNot) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "bench_test";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "bench.json") << documented;
+  EXPECT_TRUE(read_bench(folder / "bench.json"));
+  EXPECT_THAT(read_bench(folder / "none.json").error().message(),
+              HasSubstr("No such file or directory; check the path"));
+  EXPECT_THAT(read_bench(folder).error().message(), HasSubstr("is no regular file"));
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace lumifield

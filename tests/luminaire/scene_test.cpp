@@ -1,0 +1,72 @@
+#include "luminaire/scene.h"
+
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace lumifield {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+constexpr const char* documented = R"({ "format": "lumifield-scene", "version": 1, "mesh": "meshes/room.obj",
+  "materials": { "wall": { "diffuse": [0.7,0.6,0.5] }, "floor": {} },
+  "camera": { "position_mm": [0, -2000, 1200], "target_mm": [0, 0, 800], "up": [0,0,1], "fov_y_deg": 45 },
+  "luminaires": [ { "pose": [1,0,0,0, 0,0,-1,0, 0,1,0,1500, 0,0,0,1], "scale": 2 } ], "environment": "x.exr" })";
+
+class SceneFile : public testing::Test {
+ protected:
+  SceneFile() { fs::create_directories(folder_ / "meshes"); }
+  ~SceneFile() override { fs::remove_all(folder_.parent_path()); }
+  std::string refusal_with(const char* pointer, const Json& value) const {
+    Json json = Json::parse(documented);
+    json[Json::json_pointer(pointer)] = value;
+    const Result<Scene> scene = parse_scene(json.dump(), "scene.json", folder_);
+    return scene ? "accepted" : scene.error().message();
+  }
+  fs::path folder_ = fs::path(testing::TempDir()) / "scene_test" / "scenes";
+};
+
+TEST_F(SceneFile, ReadsTheDocumentedFile) {
+  std::ofstream(folder_ / "scene.json") << documented;
+  const Result<Scene> scene = read_scene(folder_ / "scene.json");
+  ASSERT_TRUE(scene) << scene.error().message();
+  EXPECT_EQ(scene->mesh, folder_ / "meshes/room.obj");
+  EXPECT_EQ(scene->environment, folder_ / "x.exr");
+  EXPECT_EQ(scene->materials.at("wall").diffuse, (std::array<double, 3>{0.7, 0.6, 0.5}));
+  EXPECT_FALSE(scene->materials.at("floor").diffuse);
+  EXPECT_EQ(scene->camera.position_mm, Vec3(0, -2000, 1200));
+  ASSERT_EQ(scene->luminaires.size(), 1u);
+  EXPECT_EQ(scene->luminaires[0].scale, 2);
+  EXPECT_EQ(scene->luminaires[0].pose(2, 3), 1500);
+}
+
+TEST_F(SceneFile, NamesThePlaceOfWhatIsWrong) {
+  EXPECT_THAT(refusal_with("/materials/wall/diffuse/1", 1.5),
+              HasSubstr("scene.json: materials.wall.diffuse[1]: is out"));
+  EXPECT_THAT(refusal_with("/camera/fov_y_deg", 180), HasSubstr("camera.fov_y_deg: is out of range (180)"));
+  EXPECT_THAT(refusal_with("/camera/target_mm", Json({0, -2000, 1200})), HasSubstr("is the camera's own position"));
+  EXPECT_THAT(refusal_with("/camera/up", Json({0, 0, 0})), HasSubstr("camera.up: is zero or along the view"));
+  EXPECT_THAT(refusal_with("/luminaires/0/pose/0", -1), HasSubstr("luminaires[0].pose: is no rigid placement"));
+  EXPECT_THAT(refusal_with("/luminaires/0/scale", -1), HasSubstr("luminaires[0].scale: is out of range"));
+  EXPECT_THAT(refusal_with("/format", "lumifield-plan"), HasSubstr("format: is not \"lumifield-scene\""));
+  EXPECT_THAT(refusal_with("/version", 9), HasSubstr("version"));
+}
+
+TEST_F(SceneFile, KeepsPathsInsideTheFolder) {
+  EXPECT_THAT(refusal_with("/mesh", ""), HasSubstr("mesh: is an empty path"));
+  EXPECT_THAT(refusal_with("/mesh", "/etc/passwd"), HasSubstr("mesh: is an absolute path"));
+  EXPECT_THAT(refusal_with("/mesh", "meshes/../../room.obj"), HasSubstr("mesh: leads out of the folder"));
+  EXPECT_THAT(refusal_with("/mesh", std::string("a\0b", 3)), HasSubstr("mesh: is a path with a NUL"));
+  EXPECT_THAT(refusal_with("/environment", "../x.exr"), HasSubstr("environment: leads out of the folder"));
+  fs::create_symlink("/etc", folder_ / "outside");
+  EXPECT_THAT(refusal_with("/mesh", "outside/passwd"), HasSubstr("mesh: is a link that leads out of the folder"));
+  fs::create_symlink("meshes", folder_ / "inside");
+  EXPECT_EQ(refusal_with("/mesh", "inside/room.obj"), "accepted");
+}
+
+}  // namespace
+}  // namespace lumifield
