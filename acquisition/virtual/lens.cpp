@@ -1,0 +1,144 @@
+#include "acquisition/virtual/lens.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lumifield::virtual_bench {
+
+namespace {
+
+struct Distorted {
+  Vec2 value;
+  Eigen::Matrix2d jacobian;
+};
+
+Distorted distort_with_jacobian(const CameraModel& camera, const Vec2& ideal) {
+  const auto [k1, k2, p1, p2, k3] = camera.distortion;
+  const double x = ideal.x(), y = ideal.y(), r2 = x * x + y * y;
+  const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  const double radial_slope = 2 * (k1 + r2 * (2 * k2 + 3 * r2 * k3));  // ∂radial/∂x = x · this
+  Distorted d;
+  d.value = {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
+  const double cross = x * y * radial_slope + 2 * p1 * x + 2 * p2 * y;
+  d.jacobian << radial + x * x * radial_slope + 2 * p1 * y + 6 * p2 * x, cross, cross,
+      radial + y * y * radial_slope + 6 * p1 * y + 2 * p2 * x;
+  return d;
+}
+
+Vec2 ideal_of(const CameraModel& camera, const Vec2& pixel) {
+  return undistort(camera, Vec2((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy));
+}
+
+std::optional<Vec2> hit_screen(const CameraModel& camera, double separation_mm, const Vec2& ideal) {
+  const Eigen::Matrix3d to_bench = camera.pose.topLeftCorner<3, 3>().transpose();
+  const Vec3 eye = -to_bench * camera.pose.topRightCorner<3, 1>();
+  const Vec3 ray = to_bench * Vec3(ideal.x(), ideal.y(), 1);
+  const double distance = (separation_mm - eye.z()) / ray.z();
+  if (!(distance > 0) || !std::isfinite(distance)) return std::nullopt;
+  return Vec2((eye + distance * ray).head<2>());
+}
+
+double illumination_of(const CameraModel& camera, const Vec2& ideal) {
+  const double r2 = ideal.squaredNorm();
+  return 1 + r2 * (camera.vignetting[0] + r2 * (camera.vignetting[1] + r2 * camera.vignetting[2]));
+}
+
+}  // namespace
+
+Vec2 distort(const CameraModel& camera, const Vec2& ideal) { return distort_with_jacobian(camera, ideal).value; }
+
+Vec2 undistort(const CameraModel& camera, const Vec2& distorted) {
+  Vec2 ideal = distorted;
+  for (int i = 0; i < 20; ++i) {
+    const Distorted d = distort_with_jacobian(camera, ideal);
+    const Vec2 step = d.jacobian.inverse() * (distorted - d.value);
+    ideal += step;
+    if (step.squaredNorm() < 1e-24) break;
+  }
+  return ideal;
+}
+
+Vec2 project(const CameraModel& camera, const Vec3& p_mm) {
+  const Vec3 q = transform_point(camera.pose, p_mm);
+  const Vec2 d = distort(camera, q.head<2>() / q.z());
+  return {camera.fx * d.x() + camera.cx, camera.fy * d.y() + camera.cy};
+}
+
+std::optional<Vec2> seen_on_screen(const CameraModel& camera, double separation_mm, const Vec2& pixel) {
+  return hit_screen(camera, separation_mm, ideal_of(camera, pixel));
+}
+
+double relative_illumination(const CameraModel& camera, const Vec2& pixel) {
+  return illumination_of(camera, ideal_of(camera, pixel));
+}
+
+namespace {
+
+Pose look_at(const Vec3& eye, const Vec3& target, double roll) {
+  const Vec3 forward = (target - eye).normalized();
+  const Vec3 level = forward.cross(Vec3(0, 1, 0)).normalized(), below = forward.cross(level);
+  Eigen::Matrix3d rotation;
+  rotation.row(0) = std::cos(roll) * level + std::sin(roll) * below;
+  rotation.row(1) = std::cos(roll) * below - std::sin(roll) * level;
+  rotation.row(2) = forward;
+  Pose pose = Pose::Identity();
+  pose.topLeftCorner<3, 3>() = rotation;
+  pose.topRightCorner<3, 1>() = -rotation * eye;
+  return pose;
+}
+
+bool sees(const CameraModel& camera, double separation_mm, const Vec2& half_view_mm) {
+  const double margin_x = camera.width_px * 0.015, margin_y = camera.height_px * 0.015;
+  for (int i = -4; i <= 4; ++i)
+    for (int j = -4; j <= 4; ++j) {
+      const Vec2 pixel = project(camera, Vec3(half_view_mm.x() * i / 4, half_view_mm.y() * j / 4, separation_mm));
+      if (pixel.x() < margin_x || pixel.x() > camera.width_px - 1 - margin_x) return false;
+      if (pixel.y() < margin_y || pixel.y() > camera.height_px - 1 - margin_y) return false;
+    }
+  return true;
+}
+
+}  // namespace
+
+CameraModel place_camera(int width_px, int height_px, double separation_mm, const Vec2& half_view_mm, bool optics) {
+  CameraModel camera;
+  camera.width_px = width_px;
+  camera.height_px = height_px;
+  const double scale = std::min(width_px / 1024.0, height_px / 768.0);
+  camera.fx = 1752.5 * scale;
+  camera.fy = 1749.0 * scale;
+  camera.cx = width_px / 2.0 + 6.3 * scale;
+  camera.cy = height_px / 2.0 - 4.8 * scale;
+  if (optics) {
+    camera.distortion = {-0.24, 0.12, 8e-4, -5e-4, 0.03};
+    camera.vignetting = {-0.9, 0.5, -0.2};
+  }
+
+  // Step back along a line 32° off the normal until the view fits.
+  const Vec3 target(0, 0, separation_mm), direction = Vec3(0.18, -0.50, 0.85).normalized();
+  for (double distance = 400; distance < 20000; distance *= 1.01) {
+    camera.pose = look_at(target + distance * direction, target, 0.03);
+    if (sees(camera, separation_mm, half_view_mm)) break;
+  }
+  return camera;
+}
+
+LensMap make_lens_map(const CameraModel& camera, double separation_mm) {
+  LensMap map{camera.width_px, camera.height_px, {}, {}};
+  map.screen_mm.reserve(static_cast<std::size_t>(camera.width_px) * camera.height_px);
+  map.illumination.reserve(map.screen_mm.capacity());
+  for (int j = 0; j < camera.height_px; ++j)
+    for (int i = 0; i < camera.width_px; ++i) {
+      const Vec2 ideal = ideal_of(camera, Vec2(i, j));
+      const std::optional<Vec2> s = hit_screen(camera, separation_mm, ideal);
+      const float missed = std::numeric_limits<float>::quiet_NaN();
+      map.screen_mm.push_back(s ? Eigen::Vector2f(s->cast<float>()) : Eigen::Vector2f(missed, missed));
+      map.illumination.push_back(static_cast<float>(illumination_of(camera, ideal)));
+    }
+  return map;
+}
+
+}  // namespace lumifield::virtual_bench

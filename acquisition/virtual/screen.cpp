@@ -1,0 +1,149 @@
+#include "acquisition/virtual/screen.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "acquisition/virtual/quadrature.h"
+
+namespace lumifield::virtual_bench {
+
+ScreenGrid ScreenGrid::covering(const Vec2& half_mm, double step_mm) {
+  const auto half_count = [&](double half) { return static_cast<int>(std::ceil(half / step_mm)); };
+  const int nx = half_count(half_mm.x()), ny = half_count(half_mm.y());
+  return {Vec2(-nx * step_mm, -ny * step_mm), step_mm, 2 * nx + 1, 2 * ny + 1};
+}
+
+Eigen::ArrayXd ScreenGrid::nodes(int axis) const {
+  const int n = axis == 0 ? columns : rows;
+  return Eigen::ArrayXd::LinSpaced(n, corner_mm[axis], corner_mm[axis] + (n - 1) * step_mm);
+}
+
+namespace {
+
+/// ∫ f⁺ F du and ∫ f⁻ F du for every s; empty where filter and term do not meet.
+struct AxisIntegrals {
+  Eigen::ArrayXd positive, negative;
+};
+
+AxisIntegrals integrate_axis(const AxisTerm& term, const Slide& slide, int axis, double filter_mm,
+                             const Eigen::ArrayXd& s) {
+  static const GaussRule rule(8);
+  const double a = slide.filter().spacing_mm[axis];
+  const double scale =
+      kSeparationMm * (term.edge_width == 0 ? term.sigma : std::min(term.sigma, 3 * std::abs(term.edge_width)));
+  AxisIntegrals sums;
+  for (const Slide::Piece& piece : slide.pieces()) {
+    const double low = std::max(filter_mm + a * piece.begin, term.low_mm());
+    const double high = std::min(filter_mm + a * piece.end, term.high_mm());
+    if (low >= high) continue;
+    Eigen::ArrayXd& sum = piece.positive ? sums.positive : sums.negative;
+    if (sum.size() == 0) sum = Eigen::ArrayXd::Zero(s.size());
+
+    const int panels = static_cast<int>(std::ceil((high - low) / std::min(scale, 4.0)));
+    const double half = (high - low) / (2 * panels);
+    for (int panel = 0; panel < panels; ++panel)
+      for (std::size_t node = 0; node < rule.x.size(); ++node) {
+        const double u = low + half * (2 * panel + 1 + rule.x[node]);
+        const double weight = half * rule.w[node] * std::abs(slide.f((u - filter_mm) / a)) * term.window(u);
+        sum += weight * term.lobe(u, Eigen::ArrayXd((s - u) / kSeparationMm));
+      }
+  }
+  return sums;
+}
+
+/// The factors of the irradiance: Σ_c colour_c · y_c x_cᵀ.
+struct Factors {
+  std::vector<Eigen::ArrayXd> x, y;
+  std::vector<Eigen::Array3d> colour;
+
+  void add(const Eigen::ArrayXd& along_x, const Eigen::ArrayXd& along_y, const Eigen::Array3d& rgb) {
+    if (along_x.size() == 0 || along_y.size() == 0) return;
+    x.push_back(along_x);
+    y.push_back(along_y);
+    colour.push_back(rgb);
+  }
+};
+
+Factors factors_of(const Lamp& lamp, const Slide& slide, const Bench& bench, const ScreenGrid& grid,
+                   const Vec2& stage_mm) {
+  const Vec2 displacement = displacement_mm(bench, stage_mm);
+  const Eigen::ArrayXd sx = grid.nodes(0) - displacement.x(), sy = grid.nodes(1) - displacement.y();
+  Factors factors;
+  for (const FilterPass& pass : slide.filter().passes) {
+    const Vec2 center = filter_center_mm(bench, pass, stage_mm);
+    for (const LampTerm& term : lamp.terms) {
+      const AxisIntegrals x = integrate_axis(term.x, slide, 0, center.x(), sx);
+      if (x.positive.size() == 0 && x.negative.size() == 0) continue;
+      const AxisIntegrals y = integrate_axis(term.y, slide, 1, center.y(), sy);
+      const Eigen::Array3d colour = term.radiance / (std::abs(pass.scale) * kSeparationMm * kSeparationMm);
+      factors.add(x.positive, pass.scale > 0 ? y.positive : y.negative, colour);
+      factors.add(x.negative, pass.scale > 0 ? y.negative : y.positive, colour);
+    }
+  }
+  return factors;
+}
+
+}  // namespace
+
+std::vector<Plane> screen_irradiance(const Lamp& lamp, const Slide& slide, const Bench& bench, const ScreenGrid& grid,
+                                     const Vec2& stage_mm, const std::vector<Eigen::Array3d>& bands) {
+  const Factors factors = factors_of(lamp, slide, bench, grid, stage_mm);
+  const Eigen::Index count = static_cast<Eigen::Index>(factors.x.size());
+  Eigen::MatrixXf x(count, grid.columns), y(grid.rows, count);
+  for (Eigen::Index c = 0; c < count; ++c) {
+    x.row(c) = factors.x[c].cast<float>();
+    y.col(c) = factors.y[c].cast<float>();
+  }
+
+  std::vector<Plane> planes;
+  for (const Eigen::Array3d& band : bands) {
+    Eigen::MatrixXf weighted = x;
+    for (Eigen::Index c = 0; c < count; ++c) weighted.row(c) *= static_cast<float>((band * factors.colour[c]).sum());
+    planes.push_back(Plane::Zero(grid.rows, grid.columns));
+    if (count > 0) planes.back().noalias() = y * weighted;
+  }
+  return planes;
+}
+
+namespace {
+
+/// Separable kernel (v/2, 1 − v, v/2): unit sum, variance v. Pixels beyond the image repeat its edge.
+void blur(Plane& image, float variance) {
+  const float side = variance / 2, middle = 1 - variance;
+  const Eigen::Index w = image.cols(), h = image.rows();
+  Plane turned(h, w);
+  turned.middleCols(1, w - 2) =
+      side * (image.leftCols(w - 2) + image.rightCols(w - 2)) + middle * image.middleCols(1, w - 2);
+  turned.col(0) = (side + middle) * image.col(0) + side * image.col(1);
+  turned.col(w - 1) = (side + middle) * image.col(w - 1) + side * image.col(w - 2);
+  image.middleRows(1, h - 2) =
+      side * (turned.topRows(h - 2) + turned.bottomRows(h - 2)) + middle * turned.middleRows(1, h - 2);
+  image.row(0) = (side + middle) * turned.row(0) + side * turned.row(1);
+  image.row(h - 1) = (side + middle) * turned.row(h - 1) + side * turned.row(h - 2);
+}
+
+}  // namespace
+
+Plane photograph(const Plane& screen, const ScreenGrid& grid, const LensMap& lens, double blur_px) {
+  Plane image(lens.height_px, lens.width_px);
+  const Eigen::Vector2f corner = grid.corner_mm.cast<float>();
+  const float per_mm = static_cast<float>(1 / grid.step_mm);
+  const float last_x = static_cast<float>(grid.columns - 1), last_y = static_cast<float>(grid.rows - 1);
+  for (Eigen::Index p = 0; p < image.size(); ++p) {
+    const float x = (lens.screen_mm[p].x() - corner.x()) * per_mm, y = (lens.screen_mm[p].y() - corner.y()) * per_mm;
+    float value = 0;
+    if (x >= 0 && y >= 0 && x < last_x && y < last_y) {
+      const int i = static_cast<int>(x), j = static_cast<int>(y);
+      const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
+      const float* above = screen.data() + static_cast<Eigen::Index>(j) * grid.columns + i;
+      const float* below = above + grid.columns;
+      value = (1 - fy) * (above[0] + fx * (above[1] - above[0])) + fy * (below[0] + fx * (below[1] - below[0]));
+    }
+    image.data()[p] = value;
+  }
+  // A square pixel has variance 1/12.
+  blur(image, static_cast<float>(1.0 / 12 + blur_px * blur_px));
+  return image;
+}
+
+}  // namespace lumifield::virtual_bench
