@@ -1,0 +1,132 @@
+#include "renderer/picture.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStdIO.h>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fcntl.h>
+#include <png.h>
+#include <sstream>
+#include <string_view>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace lumifield {
+namespace {
+
+double luminance(const float* rgb) { return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]; }
+
+/// IEC 61966-2-1, 0 … 1.
+double srgb_encode(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+Status size_status(int width_px, int height_px, std::size_t values, const std::filesystem::path& file) {
+  if (width_px > 0 && height_px > 0 &&
+      values == 3 * static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px))
+    return {};
+  return fail("an empty picture", file.string(), "render one first");
+}
+
+/// All bytes, through short writes and interrupts, and onto the disk.
+bool write_all(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return ::fsync(descriptor) == 0;
+}
+
+/// Makes or replaces a file as a whole.
+Status write_file(const std::filesystem::path& file, std::string_view bytes) {
+  const auto broken = [&](const std::string& what) {
+    return fail(what + ": " + std::strerror(errno), file.string(), "choose a folder that can be written and has room");
+  };
+  std::error_code ignored;
+  if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
+    return fail("not an ordinary file", file.string(), "choose another name");
+  std::string temporary = file.filename().string();
+  temporary.insert(temporary.begin(), '.');
+  temporary = (file.parent_path() / temporary.append(".XXXXXX")).string();
+  const int descriptor = ::mkostemp(temporary.data(), O_CLOEXEC);
+  if (descriptor < 0) return broken("cannot be made");
+  const bool written = write_all(descriptor, bytes) && ::fchmod(descriptor, 0644) == 0;
+  Status status = written ? Status{} : broken("cannot be written");
+  ::close(descriptor);
+  if (status && ::rename(temporary.c_str(), file.c_str()) != 0) status = broken("cannot be put in place");
+  if (!status) ::unlink(temporary.c_str());
+  return status;
+}
+
+}  // namespace
+
+double average_luminance(const Picture& picture) {
+  double sum = 0;
+  std::size_t lit = 0;
+  for (std::size_t i = 0; i + 2 < picture.rgb.size(); i += 3) {
+    const double l = luminance(&picture.rgb[i]);
+    if (!(l > 0)) continue;
+    sum += l;
+    ++lit;
+  }
+  return lit == 0 ? 0 : sum / static_cast<double>(lit);
+}
+
+Picture8 tone_map(const Picture& picture, const ToneCurve& curve) {
+  const double average = curve.white > 0 ? curve.white : average_luminance(picture);
+  Picture8 mapped{picture.width_px, picture.height_px, std::vector<std::uint8_t>(picture.rgb.size(), 0)};
+  if (!(average > 0)) return mapped;
+  for (std::size_t i = 0; i < picture.rgb.size(); ++i) {
+    const double v = -std::expm1(-curve.exposure * picture.rgb[i] / average);
+    if (v > 0) mapped.srgb[i] = static_cast<std::uint8_t>(std::lround(255 * srgb_encode(v)));
+  }
+  return mapped;
+}
+
+Status write_png(const Picture8& picture, const std::filesystem::path& file) {
+  if (const Status sized = size_status(picture.width_px, picture.height_px, picture.srgb.size(), file); !sized)
+    return sized;
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(picture.width_px);
+  image.height = static_cast<png_uint_32>(picture.height_px);
+  image.format = PNG_FORMAT_RGB;
+  std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
+  png_alloc_size_t size = bytes.size();
+  if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, picture.srgb.data(), 0, nullptr))
+    return fail(std::string("libpng says: ") + image.message, file.string(), "render a smaller picture");
+  return write_file(file, std::string_view(bytes).substr(0, size));
+}
+
+Status write_exr(const Picture& picture, const std::filesystem::path& file) try {
+  if (const Status sized = size_status(picture.width_px, picture.height_px, picture.rgb.size(), file); !sized)
+    return sized;
+  Imf::Header header(picture.width_px, picture.height_px);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  Imf::FrameBuffer pixels;
+  constexpr std::size_t x_stride = 3 * sizeof(float);
+  const std::size_t y_stride = x_stride * static_cast<std::size_t>(picture.width_px);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const char name[] = {"RGB"[c], 0};
+    header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    char* first = reinterpret_cast<char*>(const_cast<float*>(picture.rgb.data() + c));
+    pixels.insert(name, Imf::Slice(Imf::FLOAT, first, x_stride, y_stride));
+  }
+  Imf::StdOSStream stream;
+  {
+    Imf::OutputFile output(stream, header);
+    output.setFrameBuffer(pixels);
+    output.writePixels(picture.height_px);
+  }
+  return write_file(file, stream.str());
+} catch (const std::exception& exception) {
+  return fail(std::string("OpenEXR says: ") + exception.what(), file.string(), "render a smaller picture");
+}
+
+}  // namespace lumifield
