@@ -135,12 +135,14 @@ Status append_durably(const fs::path& file, std::string_view bytes, std::uintmax
     return system_failure("its torn end could not be cut off", file, errno);
   int code = write_all(handle.get(), bytes);
   if (code == 0 && ::fsync(handle.get()) != 0) code = errno;
-  if (code != 0) {
+  const Status named = code == 0 && length == 0 ? sync_folder(folder_of(file)) : Status{};
+  if (code != 0 || !named) {
     // The next append cuts again should this fail too.
     if (::ftruncate(handle.get(), cut) == 0) ::fsync(handle.get());
+    if (!named) return named;
     return system_failure("could not be appended to", file, code);
   }
-  return length == 0 ? sync_folder(folder_of(file)) : Status{};
+  return {};
 }
 
 Status cut_file(const fs::path& file, std::uintmax_t length) {
