@@ -23,7 +23,7 @@ void print(const nlohmann::ordered_json& json, std::size_t indent, bool flat, st
     if (json.is_object()) out += nlohmann::ordered_json(key).dump(-1, ' ', false, replace) + ": ";
     print(value, indent + 2, json.is_array(), out);
   }
-  out += "\n" + std::string(indent, ' ') + (json.is_array() ? "]" : "}");
+  out.append("\n").append(indent, ' ').append(json.is_array() ? "]" : "}");
 }
 
 }  // namespace

@@ -4,7 +4,10 @@
 
 namespace lumifield {
 
-std::string to_string(CellIndex cell) { return "(" + std::to_string(cell.row) + ", " + std::to_string(cell.column) + ")"; }
+std::string to_string(CellIndex cell) {
+  std::string text = "(";
+  return text.append(std::to_string(cell.row)).append(", ").append(std::to_string(cell.column)).append(")");
+}
 
 std::string_view to_string(Quantity q) {
   switch (q) {

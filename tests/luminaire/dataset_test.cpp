@@ -39,7 +39,9 @@ TEST_F(DatasetOnDisk, ReturnsWhatWasWrittenBeforeAndAfterClosing) {
   add(writer, {1, 2}, 1);
   add(writer, {0, 1}, 2);
   for (const bool closed : {false, true}) {
-    if (closed) ASSERT_TRUE(writer.close());
+    if (closed) {
+      ASSERT_TRUE(writer.close());
+    }
     EXPECT_EQ(fs::exists(dataset_ / "journal.jsonl"), !closed);
     const Result<Dataset> read = read_dataset(dataset_);
     ASSERT_TRUE(read) << read.error().message();
