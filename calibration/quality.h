@@ -1,0 +1,33 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "luminaire/bench.h"
+#include "luminaire/light_field.h"
+#include "luminaire/plan.h"
+#include "luminaire/raw_image.h"
+
+namespace lumifield {
+
+/// What is wrong with the pixels of S, per channel and pixel, worst pass.
+struct ScreenFaults {
+  std::vector<float> valid_share;  ///< of what covers the pixel
+  std::vector<float> electrons;    ///< mean signal of the longest exposure, of the brightest pass
+};
+
+/// Below this share of valid photosites a pixel of S has no value of its own.
+inline constexpr float least_valid_share = 0.5f;
+/// A pixel is lit above this share of its channel's largest value.
+inline constexpr float lit_share = 0.05f;
+
+/// The figures of one cell and the plan's limits that it breaks, in words.
+///
+/// saturated_share: pixels of S with less than half of what covers them valid, in any channel. starved_share: pixels
+/// whose mean signal in the longest exposure is within the read noise, in every channel. median_snr: median of value/σ
+/// over lit values of all channels; NaN where nothing is lit. dark_dn: `dark_dn`, NaN without a dark set, which is a
+/// warning too. Pure.
+Quality judge(const CellImage& image, const ScreenFaults& faults, const RawCell& raw, double dark_dn,
+              const Bench& bench, const Plan& plan);
+
+}  // namespace lumifield
