@@ -5,15 +5,11 @@
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStdIO.h>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fcntl.h>
 #include <png.h>
-#include <sstream>
 #include <string_view>
-#include <sys/stat.h>
-#include <unistd.h>
+
+#include "luminaire/file_io.h"
 
 namespace lumifield {
 namespace {
@@ -32,36 +28,12 @@ Status size_status(int width_px, int height_px, std::size_t values, const std::f
   return fail("an empty picture", file.string(), "render one first");
 }
 
-/// All bytes, through short writes and interrupts, and onto the disk.
-bool write_all(int descriptor, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return false;
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return ::fsync(descriptor) == 0;
-}
-
 /// Makes or replaces a file as a whole.
 Status write_file(const std::filesystem::path& file, std::string_view bytes) {
-  const auto broken = [&](const std::string& what) {
-    return fail(what + ": " + std::strerror(errno), file.string(), "choose a folder that can be written and has room");
-  };
   std::error_code ignored;
   if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
     return fail("not an ordinary file", file.string(), "choose another name");
-  std::string temporary = file.filename().string();
-  temporary.insert(temporary.begin(), '.');
-  temporary = (file.parent_path() / temporary.append(".XXXXXX")).string();
-  const int descriptor = ::mkostemp(temporary.data(), O_CLOEXEC);
-  if (descriptor < 0) return broken("cannot be made");
-  const bool written = write_all(descriptor, bytes) && ::fchmod(descriptor, 0644) == 0;
-  Status status = written ? Status{} : broken("cannot be written");
-  ::close(descriptor);
-  if (status && ::rename(temporary.c_str(), file.c_str()) != 0) status = broken("cannot be put in place");
-  if (!status) ::unlink(temporary.c_str());
-  return status;
+  return write_file_durably(file, bytes);
 }
 
 }  // namespace

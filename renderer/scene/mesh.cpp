@@ -5,6 +5,7 @@
 #include <sstream>
 #include <tiny_obj_loader.h>
 
+#include "luminaire/file_io.h"
 #include "renderer/scene/obj_check.h"
 
 namespace lumifield {
@@ -34,14 +35,13 @@ class LibraryReader : public tinyobj::MaterialReader {
 
   bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials, std::map<std::string, int>* ids,
                   std::string* warning, std::string* error) override {
-    const fs::path file = folder_ / name;
-    std::error_code ignored;
-    const fs::path inside =
-        fs::weakly_canonical(file, ignored).lexically_relative(fs::weakly_canonical(folder_, ignored));
-    if (inside.empty() || *inside.begin() == "..") {
-      status = fail("a material library outside the mesh's folder: " + name, folder_.string(), "put it beside the OBJ");
+    const Result<fs::path> inside = path_inside(folder_, name, folder_.string() + ": mtllib");
+    if (!inside) {
+      status = tl::unexpected(inside.error());
       return false;
     }
+    const fs::path& file = *inside;
+    std::error_code ignored;
     if (!fs::is_regular_file(file, ignored)) {
       notes.push_back(file.string() + ": the material library is missing; its materials show as grey 0.5");
       return false;
