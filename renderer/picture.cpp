@@ -4,6 +4,7 @@
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStdIO.h>
 #include <cmath>
 #include <png.h>
@@ -81,6 +82,7 @@ Status write_exr(const Picture& picture, const std::filesystem::path& file) try 
     return sized;
   Imf::Header header(picture.width_px, picture.height_px);
   header.compression() = Imf::ZIP_COMPRESSION;
+  if (!picture.note.empty()) Imf::addComments(header, picture.note);
   Imf::FrameBuffer pixels;
   constexpr std::size_t x_stride = 3 * sizeof(float);
   const std::size_t y_stride = x_stride * static_cast<std::size_t>(picture.width_px);

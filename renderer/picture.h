@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "luminaire/error.h"
@@ -15,10 +16,11 @@ struct Picture {
   int width_px = 0, height_px = 0;
   std::vector<float> rgb;       ///< 3 · width · height
   std::vector<float> coverage;  ///< 1 where a surface is seen, 0 background
+  std::string note;             ///< what the picture leaves out; write_exr keeps it as the file's comments
 };
 
-/// Exponential tone mapping: v = 1 − exp(−exposure · L / L̄), then sRGB's transfer curve; L̄ is the mean luminance of the
-/// lit pixels unless `white` gives it. Switches, named: nothing else is done to the values; negatives show as 0.
+/// Exponential tone mapping: v = 1 − exp(−exposure · L / L̄), then sRGB's transfer curve; L̄ is the mean luminance
+/// (0.2126 R + 0.7152 G + 0.0722 B) of the pixels above 0 unless `white` gives it. Switches, named: nothing else is done to the values; negatives show as 0.
 struct ToneCurve {
   double exposure = 1;
   double white = 0;  ///< L̄ to use; 0 = the picture's own average

@@ -4,6 +4,7 @@
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <cmath>
 #include <csignal>
 #include <cstring>
@@ -21,7 +22,7 @@ using testing::HasSubstr;
 namespace fs = std::filesystem;
 
 Picture grey(const std::vector<float>& values) {
-  Picture picture{static_cast<int>(values.size()), 1, {}, {}};
+  Picture picture{static_cast<int>(values.size()), 1, {}, {}, {}};
   for (const float v : values) {
     picture.rgb.insert(picture.rgb.end(), 3, v);
     picture.coverage.push_back(1);
@@ -32,8 +33,11 @@ Picture grey(const std::vector<float>& values) {
 Picture noise(int width, int height) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform(-1, 100);
-  Picture picture{width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height)),
-                  std::vector<float>(static_cast<std::size_t>(width * height), 1)};
+  Picture picture{width,
+                  height,
+                  std::vector<float>(static_cast<std::size_t>(3 * width * height)),
+                  std::vector<float>(static_cast<std::size_t>(width * height), 1),
+                  {}};
   for (float& v : picture.rgb) v = uniform(random);
   return picture;
 }
@@ -110,11 +114,13 @@ TEST_F(PictureFile, PngKeepsEveryByte) {
 }
 
 TEST_F(PictureFile, ExrKeepsEveryFloat) {
-  const Picture written = noise(37, 23);
+  Picture written = noise(37, 23);
+  written.note = "unshadowed";
   ASSERT_TRUE(write_exr(written, folder_ / "a.exr"));
   ASSERT_TRUE(write_exr(written, folder_ / "a.exr")) << "a second time replaces the first";
   EXPECT_EQ(files(), 1);
   Imf::InputFile file((folder_ / "a.exr").c_str());
+  EXPECT_EQ(Imf::comments(file.header()), "unshadowed");
   const auto window = file.header().dataWindow();
   ASSERT_EQ(window.max.x - window.min.x + 1, 37);
   ASSERT_EQ(window.max.y - window.min.y + 1, 23);
