@@ -1,0 +1,76 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "acquisition/links/serial_link.h"
+#include "acquisition/stages/grbl_report.h"
+
+namespace lumifield {
+
+/// Question and answer with a GRBL 1.1 controller: commands that end in `ok`, `?` reports, resets; and whatever the
+/// controller says unasked in between: alarms, a banner that tells of a restart, noise. Every fault comes out as an
+/// Error at the next call. Thread-bound, but send_now().
+class GrblDialogue {
+ public:
+  using Milliseconds = std::chrono::milliseconds;
+
+  static constexpr char hold = '!', reset_byte = 0x18;
+
+  /// Opens the port and waits until the controller answers, 3 s at most; stops what still moves, resets, reads firmware
+  /// and settings. Errors: as SerialLink::open; silent; unreadable; not GRBL 1.1; a setting missing.
+  static Result<std::unique_ptr<GrblDialogue>> open(const std::string& path);
+
+  const std::string& path() const { return link_->path(); }
+  const std::string& firmware() const { return firmware_; }
+  /// `$number` as read on opening; it is there for every number in `required_settings`.
+  double setting(int number) const { return settings_.at(number); }
+  double setting_or(int number, double otherwise) const;
+
+  /// Sends a line and waits for its `ok`.
+  Status command(std::string_view line, Milliseconds timeout = Milliseconds(1000));
+
+  /// The two halves of command(), for those that take long. await_ok: true = `ok` has come, false = not yet.
+  Status send(std::string_view line);
+  Result<bool> await_ok(Milliseconds timeout);
+
+  /// A fresh report, the position as machine position in mm. Errors: an alarm since the last reset; no answer in 1 s.
+  Result<GrblStatus> status();
+
+  /// Stops without losing the position, then resets: feed hold, stand-still, reset.
+  Status stop_and_reset();
+
+  /// Resets and waits for the banner. While it moves, this loses the position.
+  Status reset();
+
+  /// A real-time character. Thread-safe. A link that is gone is reported by the next call of another function.
+  void send_now(char character);
+
+ private:
+  explicit GrblDialogue(std::unique_ptr<SerialLink> link) : link_(std::move(link)) {}
+
+  Status wake();
+  Status read_identity();
+  /// Takes note of a line that answers nothing.
+  Status note(const std::string& line);
+  Status note_pending();
+  void forget_noise();
+  Result<std::string> read_line(Milliseconds timeout);  ///< an empty line at the deadline
+  Result<GrblStatus> ask();
+  tl::unexpected<Error> silent(std::string_view duration) const;
+  tl::unexpected<Error> unreadable() const;
+  tl::unexpected<Error> link_error(LinkFault fault) const;
+
+  std::unique_ptr<SerialLink> link_;
+  std::string firmware_;
+  GrblSettings settings_;
+  std::optional<int> alarm_;         ///< since the last reset
+  std::optional<Vec2> work_offset_;  ///< in the report unit; unknown after a reset
+  int unreadable_lines_ = 0;         ///< since the last answer
+  std::string unreadable_line_;      ///< the last of them
+};
+
+}  // namespace lumifield

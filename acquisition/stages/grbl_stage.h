@@ -1,0 +1,25 @@
+#pragma once
+
+#include <memory>
+
+#include "acquisition/stage.h"
+
+namespace lumifield {
+
+/// A GRBL 1.1 controller on a serial line, 115200 baud. Its X and Y are the stage's axes; positions are machine
+/// positions (MPos), whatever work offsets, report mask ($10) or report unit ($13) are set.
+///
+///     opened → locked ──home──→ standing ──move_to──→ moving → standing
+///                 ↑                 ↑                   │ stop, halt(): `!` … Hold:0, reset; position kept
+///                 └──── ALARM ──────┴───────────────────┘
+///
+/// Opening stops what a former owner left moving, then resets the parser; a position is kept through both. Boards that
+/// restart when the port is opened get three seconds. Motion is watched by asking `?` about 200 times a second; the
+/// deadline of a move is twice its trapezoid prediction and 2 s, that of homing follows from travel and homing speeds.
+/// halt() during homing has to reset the controller: a feed hold is ignored there, and no position is lost that was
+/// known.
+///
+/// Errors beyond those of Stage: controller restarted, put on hold or door opened by hand, unreadable answers, hang-up.
+Result<std::unique_ptr<Stage>> open_grbl_stage(const StageSettings& settings);
+
+}  // namespace lumifield

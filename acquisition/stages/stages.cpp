@@ -1,0 +1,63 @@
+#include <filesystem>
+#include <set>
+
+#include "acquisition/stage.h"
+#include "acquisition/stages/grbl_stage.h"
+
+namespace lumifield {
+namespace {
+
+struct StageKind {
+  std::string_view name;
+  Result<std::unique_ptr<Stage>> (*open)(const StageSettings&);
+};
+
+// A new kind is a file beside this one and a line here.
+constexpr StageKind kinds[] = {
+    {"grbl", open_grbl_stage},
+};
+
+std::set<std::string> serial_ports() {
+  std::set<std::string> ports;
+  std::error_code fault;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev", fault)) {
+    const std::string name = entry.path().filename();
+    if (name.starts_with("ttyUSB") || name.starts_with("ttyACM")) ports.insert(entry.path());
+  }
+  return ports;
+}
+
+DeviceReport try_port(const std::string& port) {
+  DeviceReport report{.role = "stage", .name = {}, .address = port, .usable = false, .reason = {}, .remedy = {}};
+  for (const StageKind& kind : kinds) {
+    StageSettings settings;
+    settings.kind = kind.name;
+    settings.path = port;
+    const Result<std::unique_ptr<Stage>> stage = kind.open(settings);
+    if (stage) return {"stage", (*stage)->info().firmware, port, true, {}, {}};
+    report.reason = stage.error().what;
+    report.remedy = stage.error().remedy;
+  }
+  return report;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Stage>> open_stage(const StageSettings& settings) {
+  std::string names;
+  for (const StageKind& kind : kinds) {
+    if (kind.name == settings.kind) return kind.open(settings);
+    names.append(names.empty() ? "" : ", ").append(kind.name);
+  }
+  return fail("unknown kind of stage \"" + settings.kind + "\"", "stage.kind", "known kinds: " + names);
+}
+
+std::vector<DeviceReport> find_stages(const std::string& path) {
+  std::set<std::string> ports = serial_ports();
+  if (!path.empty()) ports.insert(path);
+  std::vector<DeviceReport> reports;
+  for (const std::string& port : ports) reports.push_back(try_port(port));
+  return reports;
+}
+
+}  // namespace lumifield
