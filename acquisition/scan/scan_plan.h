@@ -11,38 +11,45 @@
 
 namespace lumifield {
 
-/// The scan, step by step: a plan laid on a bench, checked against the bench's limits and geometry before anything moves.
-/// Value type.
+/// The scan, step by step: a plan laid on a bench, checked against the bench's limits and geometry before anything
+/// moves. Value type.
 struct DarkStep {
   Vec2 stage_mm;
   int block;
 };
 struct ReferenceStep {
-  Vec2 stage_mm;
-  int cells_done;
+  Vec2 stage_mm;   ///< of the first pass
+  int cells_done;  ///< of this plan
 };
 struct CellStep {
   CellIndex cell;
-  std::vector<int> pass_order;  ///< indices into bench.filter.passes, alternating so that the long move is made once a cell
+  std::vector<int> pass_order;  ///< indices into bench.filter.passes, forwards or backwards, whichever starts nearer:
+                                ///< the long move between filters is made once a cell
   std::vector<Vec2> stage_mm;   ///< target per pass of `pass_order`
 };
 using ScanStep = std::variant<DarkStep, ReferenceStep, CellStep>;
 
 struct ScanPlan {
-  std::vector<ScanStep> steps;  ///< dark and reference first, reference last
+  std::vector<ScanStep> steps;  ///< dark and reference first, reference last; empty when all cells are done
   int cells = 0;
-  double predicted_s = 0;  ///< from the stage's speed and acceleration, settle, exposure and readout times
+  double predicted_s =
+      0;  ///< from the stage's speed and acceleration, settle, exposure and readout times. Speeds of 0
+          ///< in the bench file count as 10 mm/s and 50 mm/s²: fill in what the controller reports first
 };
 
-/// Stage reading that puts the first pass' filter centre on u (mm on U).
+/// Stage reading that puts the first pass' filter centre on u (mm on U). bench.stage_to_luminaire.linear is invertible.
 Vec2 stage_target_mm(const Bench& bench, const Vec2& u_mm);
+
+/// Stage reading that centres the opaque patch on the lamp, which is centred on u = 0. The stage is parked there too.
+Vec2 dark_target_mm(const Bench& bench);
 
 /// Lamp displacement in the bench frame at a stage reading: linear·q + origin when the stage carries the lamp, else 0.
 Vec2 lamp_displacement_mm(const Bench& bench, const Vec2& stage_mm);
 
-/// Refuses, with the number needed: a target outside the limits; filters closer than half the grid + half the lamp + half
-/// the dual window (another filter would stand before the lamp); a grid smaller than lamp + window; a filter spacing that
-/// is not the basis'; a reference cell outside the grid. Cells in `done` are left out.
+/// Refuses, with the number needed: a target outside the limits; filters or opaque patch closer than half the grid +
+/// half the lamp + half the dual window (another filter would stand before the lamp); a grid without some cell whose
+/// dual window touches the lamp; scales that are not the dual's within 1 %; a reference cell outside the grid;
+/// exposures outside (0, 10 s] or not ascending; a singular stage frame. Cells in `done` are left out.
 Result<ScanPlan> make_scan_plan(const Bench& bench, const Plan& plan, const std::set<CellIndex>& done = {});
 
 }  // namespace lumifield

@@ -1,65 +1,107 @@
 #pragma once
 
+#include <memory>
 #include <stop_token>
 #include <string>
 
 #include "acquisition/camera.h"
+#include "acquisition/scan/bench_clock.h"
+#include "acquisition/scan/motion_time.h"
+#include "acquisition/scan/reference_drift.h"
 #include "acquisition/scan/scan_plan.h"
+#include "acquisition/scan/scan_state.h"
 #include "acquisition/stage.h"
 
 namespace lumifield {
 
-enum class ScanState { idle, homing, moving, settling, exposing, delivering, parking, done, stopped, failed };
-std::string_view to_string(ScanState state);
-
 struct ScanProgress {
   ScanState state = ScanState::idle;
-  int cells_done = 0, cells_total = 0;
-  CellIndex cell;            ///< the one being worked on
+  int cells_done = 0, cells_total = 0;  ///< of this plan; cells left out as done before do not count
+  CellIndex cell;                       ///< the one being worked on
   double elapsed_s = 0, left_s = 0;
 };
 
 /// Where the scan's time went. Everything but move, settle, exposure and readout is idle time of the bench.
 struct ScanTiming {
-  double move_s = 0, settle_s = 0, exposure_s = 0, readout_s = 0, waiting_s = 0, other_s = 0, total_s = 0;
+  double move_s = 0;      ///< homing and parking too
+  double settle_s = 0;    ///< the warm-up too
+  double exposure_s = 0;  ///< sum of the exposure times, as the camera reports them
+  double readout_s = 0;   ///< the rest of each frame, up to bench.camera.readout_s
+  double waiting_s = 0;   ///< in ScanSink::cell
+  double other_s = 0;     ///< slower read-outs, frames taken again inside the camera, positions read back, progress
+  double total_s = 0;
   double idle_share() const { return total_s > 0 ? 1 - (move_s + settle_s + exposure_s + readout_s) / total_s : 0; }
 };
 
-/// Takes what the scanner makes, on the bench thread. `cell` may block when those behind it are busy: the time counts as
-/// waiting.
+/// Takes what the scanner makes, on the bench thread. `cell` may block when those behind it are busy: the time counts
+/// as waiting.
 class ScanSink {
  public:
   virtual ~ScanSink() = default;
   virtual void cell(RawCell raw) = 0;
   virtual void reference(const ReferenceReading& reading) = 0;
-  virtual void progress(const ScanProgress& progress) = 0;
+  virtual void progress(const ScanProgress& progress) = 0;  ///< at every change of state
 };
 
-/// Runs a ScanPlan on a camera and a stage.
+/// Runs a ScanPlan on a camera and a stage, through the states of scan_state.h.
 ///
-///     idle → homing → moving → settling → exposing → delivering → (next step: moving | last: parking → done)
-///     any state → stopped (stop requested) | failed (a device error); both halt the stage first
-///
-/// It exposes only after the position was read back, lies within the bench's tolerance, and the settle time has passed;
-/// a position off by more is moved to once more and then fails the scan. The reference cell comes first, every N cells and
-/// last, its drift is recorded and handed on; a dark set opens every block of cells. Thread-bound to the bench thread.
+/// It exposes only after the settle time has passed and the position read back lies within the bench's tolerance; a
+/// position off by more is moved to once more and then fails the scan. A bracket during which the position changed by
+/// more than the tolerance is discarded and taken once more. The reference cell comes first, every N cells and last,
+/// its drift is recorded and handed on; a dark set opens every block of cells, the first one after the warm-up. A cell
+/// is handed on as soon as its last pass is exposed, and the stage moves on at once. At the end and after a device
+/// error the stage is parked behind the opaque patch. Thread-bound to the bench thread; camera, stage, bench, plan and
+/// clock outlive it.
 class Scanner {
  public:
-  Scanner(Camera& camera, Stage& stage, const Bench& bench, const Plan& plan);
+  Scanner(Camera& camera, Stage& stage, const Bench& bench, const Plan& plan, BenchClock& clock = steady_bench_clock());
 
-  /// Runs all steps. The Error of a stop request has `what` = "stopped by the operator".
+  /// Runs all steps. Legal once, in state idle; refused in any other state.
+  /// Errors: that of the device, with the cell and pass in front of its place; a stage that does not reach or does not
+  /// hold a position; a reference cell that cannot serve; a stop request, `what` = "stopped by the operator".
   Status run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop);
 
   ScanState state() const { return state_; }
   const ScanTiming& timing() const { return timing_; }
 
  private:
+  /// A bracket taken while the stage stood still within the tolerance.
+  struct Standing {
+    Bracket bracket;
+    Vec2 stage_mm;
+    double position_error_mm;
+  };
+
+  Status scan(const ScanPlan& steps);
+  Status take(const DarkStep& step);
+  Status take(const ReferenceStep& step);
+  Status take(const CellStep& step);
+  Result<Standing> bracket_at(const Vec2& target_mm, const std::string& place);
+  Result<Vec2> stand_at(const Vec2& target_mm, const std::string& place);
+  Result<Bracket> expose_bracket(const Vec2& stage_mm, const std::string& place);
+  Result<RawImage> expose_frame(double exposure_s);
+  Status home();
+  Status park();
+  Status end(Status status);
+
+  void enter(ScanState state);
+  Status wait(double seconds);
+
   Camera& camera_;
   Stage& stage_;
   const Bench& bench_;
   const Plan& plan_;
+  BenchClock& clock_;
   ScanState state_ = ScanState::idle;
   ScanTiming timing_;
+
+  ScanSink* sink_ = nullptr;
+  std::stop_token stop_;
+  ScanProgress progress_;
+  TimeLeft time_left_;
+  double begin_s_ = 0, first_step_s_ = 0, warm_up_left_s_ = 0;
+  std::shared_ptr<const DarkSet> dark_;
+  ReferenceDrift drift_;
 };
 
 }  // namespace lumifield

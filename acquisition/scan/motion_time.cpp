@@ -1,0 +1,73 @@
+#include "acquisition/scan/motion_time.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+namespace lumifield {
+
+namespace {
+
+const std::vector<Vec2>& targets_of(const CellStep& step) { return step.stage_mm; }
+std::vector<Vec2> targets_of(const DarkStep& step) { return {step.stage_mm}; }
+std::vector<Vec2> targets_of(const ReferenceStep& step) { return {step.stage_mm}; }
+
+}  // namespace
+
+StageSpeed stage_speed(const StageSettings& settings, const StageSpeed& reported) {
+  StageSpeed speed;
+  if (reported.rapid_mm_s > 0) speed.rapid_mm_s = reported.rapid_mm_s;
+  if (reported.acceleration_mm_s2 > 0) speed.acceleration_mm_s2 = reported.acceleration_mm_s2;
+  if (settings.rapid_mm_s > 0) speed.rapid_mm_s = settings.rapid_mm_s;
+  if (settings.acceleration_mm_s2 > 0) speed.acceleration_mm_s2 = settings.acceleration_mm_s2;
+  return speed;
+}
+
+double move_time_s(const StageSpeed& speed, const Vec2& from_mm, const Vec2& to_mm) {
+  assert(speed.rapid_mm_s > 0 && speed.acceleration_mm_s2 > 0);
+  const double way = (to_mm - from_mm).cwiseAbs().maxCoeff();
+  const double v = speed.rapid_mm_s, a = speed.acceleration_mm_s2;
+  return way < v * v / a ? 2 * std::sqrt(way / a) : way / v + v / a;
+}
+
+std::vector<double> step_times_s(const std::vector<ScanStep>& steps, const Bench& bench, const Plan& plan,
+                                 const StageSpeed& speed) {
+  const double exposures_s = std::accumulate(plan.exposures_s.begin(), plan.exposures_s.end(), 0.0);
+  const double standing_s =
+      plan.settle_s + exposures_s + static_cast<double>(plan.exposures_s.size()) * bench.camera.readout_s;
+
+  std::vector<double> times;
+  std::optional<Vec2> at;
+  for (const ScanStep& step : steps) {
+    double time = times.empty() ? plan.warm_up_s : 0;
+    for (const Vec2& target : std::visit([](const auto& s) { return std::vector<Vec2>(targets_of(s)); }, step)) {
+      time += standing_s + (at ? move_time_s(speed, *at, target) : 0);
+      at = target;
+    }
+    times.push_back(time);
+  }
+  return times;
+}
+
+TimeLeft::TimeLeft(std::vector<double> step_times_s) : steps_s_(std::move(step_times_s)) {
+  total_s_ = std::accumulate(steps_s_.begin(), steps_s_.end(), 0.0);
+}
+
+void TimeLeft::step_done(double spent_s) {
+  assert(next_ < steps_s_.size());
+  predicted_s_ += steps_s_[next_++];
+  spent_s_ = spent_s;
+}
+
+double TimeLeft::pace() const {
+  const double trust_s = 0.05 * total_s_;
+  return predicted_s_ + trust_s > 0 ? (spent_s_ + trust_s) / (predicted_s_ + trust_s) : 1;
+}
+
+double TimeLeft::left_s(double spent_s) const {
+  return std::max(0.0, (total_s_ - predicted_s_) * pace() - (spent_s - spent_s_));
+}
+
+}  // namespace lumifield

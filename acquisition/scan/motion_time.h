@@ -1,0 +1,47 @@
+#pragma once
+
+#include <vector>
+
+#include "acquisition/scan/scan_plan.h"
+#include "luminaire/bench.h"
+#include "luminaire/plan.h"
+
+namespace lumifield {
+
+/// How fast the stage's axes go, for predictions. Value type.
+struct StageSpeed {
+  double rapid_mm_s = 10, acceleration_mm_s2 = 50;  ///< defaults where unknown: a slow bench, so that scans end early
+};
+
+/// The bench file's speeds; what it leaves at 0 is taken from `reported`.
+StageSpeed stage_speed(const StageSettings& settings, const StageSpeed& reported = {});
+
+/// Time of one point-to-point move: accelerate, cruise, decelerate along the axis that goes farther (both axes are
+/// co-ordinated, and it limits).
+double move_time_s(const StageSpeed& speed, const Vec2& from_mm, const Vec2& to_mm);
+
+/// Predicted time of every step: moves, settling, exposures, read-outs. The first step's move is left out, since it
+/// starts at an unknown place, and so is homing; the warm-up counts to the first step.
+std::vector<double> step_times_s(const std::vector<ScanStep>& steps, const Bench& bench, const Plan& plan,
+                                 const StageSpeed& speed);
+
+/// Time left: the prediction for the steps ahead times the pace so far, which starts at 1 and weighs the prediction
+/// with 5 % of the whole. Value type.
+class TimeLeft {
+ public:
+  TimeLeft() = default;
+  explicit TimeLeft(std::vector<double> step_times_s);
+
+  /// `spent_s`: since the first step began.
+  void step_done(double spent_s);
+  double left_s(double spent_s) const;
+
+ private:
+  double pace() const;
+
+  std::vector<double> steps_s_;
+  std::size_t next_ = 0;
+  double total_s_ = 0, predicted_s_ = 0, spent_s_ = 0;
+};
+
+}  // namespace lumifield

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "luminaire/error.h"
+#include "luminaire/raw_image.h"
+
+namespace lumifield {
+
+/// The lamp's steadiness, watched on one cell: signal = mean over the frame of (DN − dark DN)/exposure, at the longest
+/// exposure of the first visit with less than 0.1 % of its pixels at or above saturation; drift = signal / first − 1.
+/// Value type.
+class ReferenceDrift {
+ public:
+  /// Errors: every exposure saturates, no light above five standard errors, frames that do not fit the dark set's.
+  Result<ReferenceReading> read(const Bracket& lit, const Bracket& dark, double saturation_dn, int cells_done);
+
+  /// Of the last reading; 0 before the first.
+  double drift() const { return drift_; }
+
+ private:
+  std::optional<std::size_t> exposure_;  ///< index into the bracket
+  double first_dn_per_s_ = 0, drift_ = 0;
+};
+
+}  // namespace lumifield

@@ -1,0 +1,85 @@
+#include "acquisition/scan/scan_plan.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <numeric>
+
+#include "acquisition/scan/motion_time.h"
+#include "acquisition/scan/scan_order.h"
+#include "acquisition/scan/scan_rules.h"
+
+namespace lumifield {
+
+namespace {
+
+/// Filter centres of every pass at a cell, nearest end first as seen from `from`.
+CellStep cell_step(const Bench& bench, const Sampling& grid, CellIndex cell, const Vec2& from,
+                   const StageSpeed& speed) {
+  const std::vector<FilterPass>& passes = bench.filter.passes;
+  const Vec2 first = stage_target_mm(bench, grid.cell_center_mm(cell));
+  CellStep step{cell, std::vector<int>(passes.size()), {}};
+  std::iota(step.pass_order.begin(), step.pass_order.end(), 0);
+  if (move_time_s(speed, from, first + passes.back().offset_mm) <
+      move_time_s(speed, from, first + passes.front().offset_mm))
+    std::reverse(step.pass_order.begin(), step.pass_order.end());
+  for (int pass : step.pass_order) step.stage_mm.push_back(first + passes[static_cast<std::size_t>(pass)].offset_mm);
+  return step;
+}
+
+std::vector<ScanStep> make_steps(const Bench& bench, const Plan& plan, const std::vector<CellIndex>& cells) {
+  const Sampling grid = sampling_of(bench, plan);
+  const StageSpeed speed = stage_speed(bench.stage);
+  const Vec2 dark = dark_target_mm(bench);
+  const Vec2 reference =
+      stage_target_mm(bench, grid.cell_center_mm(plan.reference.cell)) + bench.filter.passes[0].offset_mm;
+  const auto due = [](int done, int every) { return done == 0 || (every > 0 && done % every == 0); };
+
+  std::vector<ScanStep> steps;
+  Vec2 at = dark;
+  int blocks = 0;
+  const int count = static_cast<int>(cells.size());
+  for (int done = 0; done < count; ++done) {
+    if (due(done, plan.dark_every_cells)) {
+      steps.emplace_back(DarkStep{dark, blocks++});
+      at = dark;
+    }
+    if (due(done, plan.reference.every)) {
+      steps.emplace_back(ReferenceStep{reference, done});
+      at = reference;
+    }
+    const CellStep step = cell_step(bench, grid, cells[static_cast<std::size_t>(done)], at, speed);
+    at = step.stage_mm.back();
+    steps.emplace_back(step);
+  }
+  if (count > 0) steps.emplace_back(ReferenceStep{reference, count});
+  return steps;
+}
+
+}  // namespace
+
+Vec2 stage_target_mm(const Bench& bench, const Vec2& u_mm) {
+  const Vec2 image = bench.stage_carries == StageCarries::lamp ? Vec2(-u_mm) : u_mm;
+  return bench.stage_to_luminaire.linear.inverse() * (image - bench.stage_to_luminaire.origin_mm);
+}
+
+Vec2 dark_target_mm(const Bench& bench) { return stage_target_mm(bench, Vec2(0, 0)) + bench.filter.dark_offset_mm; }
+
+Vec2 lamp_displacement_mm(const Bench& bench, const Vec2& stage_mm) {
+  if (bench.stage_carries == StageCarries::slide) return {0, 0};
+  return bench.stage_to_luminaire.linear * stage_mm + bench.stage_to_luminaire.origin_mm;
+}
+
+Result<ScanPlan> make_scan_plan(const Bench& bench, const Plan& plan, const std::set<CellIndex>& done) {
+  if (Status status = check_rules(bench, plan); !status) return tl::unexpected(status.error());
+
+  std::vector<CellIndex> cells = scan_order(plan.order, plan.columns, plan.rows);
+  std::erase_if(cells, [&](CellIndex cell) { return done.contains(cell); });
+  ScanPlan scan{make_steps(bench, plan, cells), static_cast<int>(cells.size()), 0};
+  if (Status status = check_limits(bench, scan.steps); !status) return tl::unexpected(status.error());
+
+  const std::vector<double> times = step_times_s(scan.steps, bench, plan, stage_speed(bench.stage));
+  scan.predicted_s = std::accumulate(times.begin(), times.end(), 0.0);
+  return scan;
+}
+
+}  // namespace lumifield

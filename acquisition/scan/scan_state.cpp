@@ -1,0 +1,55 @@
+#include "acquisition/scan/scan_state.h"
+
+namespace lumifield {
+
+std::string_view to_string(ScanState state) {
+  switch (state) {
+    case ScanState::idle:
+      return "idle";
+    case ScanState::homing:
+      return "homing";
+    case ScanState::moving:
+      return "moving";
+    case ScanState::settling:
+      return "settling";
+    case ScanState::exposing:
+      return "exposing";
+    case ScanState::delivering:
+      return "delivering";
+    case ScanState::parking:
+      return "parking";
+    case ScanState::done:
+      return "done";
+    case ScanState::stopped:
+      return "stopped";
+    case ScanState::failed:
+      return "failed";
+  }
+  return "";
+}
+
+bool can_follow(ScanState from, ScanState to) {
+  using enum ScanState;
+  if (is_final(from) || to == idle) return false;
+  if (to == stopped || to == failed) return true;
+  switch (from) {
+    case idle:
+      return to == homing || to == moving || to == done;
+    case homing:
+      return to == moving;
+    case moving:
+      return to == settling || to == parking;
+    case settling:
+      return to == moving || to == exposing || to == parking;
+    case exposing:
+      return to == moving || to == delivering || to == parking;
+    case delivering:
+      return to == moving || to == parking;
+    case parking:
+      return to == done;
+    default:
+      return false;
+  }
+}
+
+}  // namespace lumifield

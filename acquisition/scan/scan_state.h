@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string_view>
+
+namespace lumifield {
+
+/// Where a scan stands.
+///
+///     idle → [homing →] moving → settling → exposing → delivering → moving … → parking → done
+///     settling → moving                   the position read back is off: moved to once more
+///     exposing → moving                   next pass of the cell, or a bracket taken again
+///     idle → done                         nothing to scan
+///     any but the last three → stopped    stop requested: the stage is halted and stays there
+///     any but the last three → failed     a device error: halted; parked before that (→ parking → failed) when the
+///     stage
+///                                         still answers and homing was not what failed
+enum class ScanState { idle, homing, moving, settling, exposing, delivering, parking, done, stopped, failed };
+
+std::string_view to_string(ScanState state);
+
+inline bool is_final(ScanState state) {
+  return state == ScanState::done || state == ScanState::stopped || state == ScanState::failed;
+}
+
+/// The arrows of the drawing.
+bool can_follow(ScanState from, ScanState to);
+
+}  // namespace lumifield

@@ -1,0 +1,228 @@
+#include "acquisition/scan/scanner.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "acquisition/scan/wording.h"
+
+namespace lumifield {
+
+namespace {
+
+constexpr int kAttempts = 2;
+
+tl::unexpected<Error> stopped() { return fail("stopped by the operator", "scan", "run again with --resume to go on"); }
+
+/// Adds the time until its end to one part of the timing.
+class Stretch {
+ public:
+  Stretch(BenchClock& clock, double& part_s) : clock_(clock), part_s_(part_s), begin_s_(clock.now_s()) {}
+  ~Stretch() { part_s_ += clock_.now_s() - begin_s_; }
+  Stretch(const Stretch&) = delete;
+  Stretch& operator=(const Stretch&) = delete;
+
+ private:
+  BenchClock& clock_;
+  double& part_s_;
+  double begin_s_;
+};
+
+}  // namespace
+
+Scanner::Scanner(Camera& camera, Stage& stage, const Bench& bench, const Plan& plan, BenchClock& clock)
+    : camera_(camera), stage_(stage), bench_(bench), plan_(plan), clock_(clock) {}
+
+Status Scanner::run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop) {
+  if (state_ != ScanState::idle)
+    return fail("a scan was begun already: " + std::string(to_string(state_)), "scanner", "use a new scanner per scan");
+  if (!steps.steps.empty() && !std::holds_alternative<DarkStep>(steps.steps.front()))
+    return fail("the first step is not a dark set", "scan plan", "make the plan with make_scan_plan");
+
+  sink_ = &sink;
+  stop_ = std::move(stop);
+  begin_s_ = first_step_s_ = clock_.now_s();
+  warm_up_left_s_ = plan_.warm_up_s;
+  progress_.cells_total = steps.cells;
+  const StageSpeed reported{stage_.info().rapid_mm_s, stage_.info().acceleration_mm_s2};
+  time_left_ = TimeLeft(step_times_s(steps.steps, bench_, plan_, stage_speed(bench_.stage, reported)));
+  return end(scan(steps));
+}
+
+Status Scanner::scan(const ScanPlan& steps) {
+  if (steps.steps.empty()) return {};
+  if (bench_.stage.home)
+    if (Status status = home(); !status) return status;
+  first_step_s_ = clock_.now_s();
+  for (const ScanStep& step : steps.steps) {
+    if (Status status = std::visit([this](const auto& s) { return take(s); }, step); !status) return status;
+    time_left_.step_done(clock_.now_s() - first_step_s_);
+  }
+  return park();
+}
+
+Status Scanner::take(const DarkStep& step) {
+  Result<Standing> dark = bracket_at(step.stage_mm, "dark set " + std::to_string(step.block + 1));
+  if (!dark) return tl::unexpected(std::move(dark).error());
+  enter(ScanState::delivering);
+  dark_ = std::make_shared<const DarkSet>(DarkSet{std::move(dark->bracket), step.block});
+  return {};
+}
+
+Status Scanner::take(const ReferenceStep& step) {
+  const std::string place = "reference cell " + to_string(plan_.reference.cell);
+  Result<Standing> lit = bracket_at(step.stage_mm, place);
+  if (!lit) return tl::unexpected(std::move(lit).error());
+  Result<ReferenceReading> reading =
+      drift_.read(lit->bracket, dark_->bracket, bench_.sensor.saturation_dn, step.cells_done);
+  if (!reading) return fail_in(place, std::move(reading).error());
+  enter(ScanState::delivering);
+  sink_->reference(*reading);
+  return {};
+}
+
+Status Scanner::take(const CellStep& step) {
+  progress_.cell = step.cell;
+  RawCell raw;
+  raw.cell = step.cell;
+  raw.passes.resize(step.pass_order.size());
+  for (std::size_t k = 0; k < step.pass_order.size(); ++k) {
+    const auto index = static_cast<std::size_t>(step.pass_order[k]);
+    const std::string& name = bench_.filter.passes[index].name;
+    Result<Standing> pass = bracket_at(step.stage_mm[k], "cell " + to_string(step.cell) + ", pass " + name);
+    if (!pass) return tl::unexpected(std::move(pass).error());
+    raw.position_error_mm = std::max(raw.position_error_mm, pass->position_error_mm);
+    raw.passes[index] = RawPass{name, std::move(pass->bracket), pass->stage_mm};
+  }
+  raw.dark = dark_;
+  raw.drift = drift_.drift();
+
+  enter(ScanState::delivering);
+  Stretch waiting(clock_, timing_.waiting_s);
+  sink_->cell(std::move(raw));
+  ++progress_.cells_done;
+  return {};
+}
+
+Result<Scanner::Standing> Scanner::bracket_at(const Vec2& target_mm, const std::string& place) {
+  double moved_mm = 0;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const Result<Vec2> before = stand_at(target_mm, place);
+    if (!before) return tl::unexpected(before.error());
+    Result<Bracket> bracket = expose_bracket(*before, place);
+    if (!bracket) return tl::unexpected(std::move(bracket).error());
+    const Result<Vec2> after = stage_.position();
+    if (!after) return fail_in(place, after.error());
+    moved_mm = (*after - *before).norm();
+    if (moved_mm <= bench_.tolerance_mm) return Standing{std::move(*bracket), *before, (*before - target_mm).norm()};
+  }
+  return fail("the stage moved by " + say(moved_mm) + " mm during the exposures, twice; " + say(bench_.tolerance_mm) +
+                  " mm are allowed",
+              place, "check that its motors hold and that nothing pulls at it, then resume");
+}
+
+Result<Vec2> Scanner::stand_at(const Vec2& target_mm, const std::string& place) {
+  Vec2 reading(0, 0);
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    // Move and let the vibration die away.
+    enter(ScanState::moving);
+    if (stop_.stop_requested()) return stopped();
+    {
+      Stretch moving(clock_, timing_.move_s);
+      if (Status status = stage_.move_to(target_mm, stop_); !status) return fail_in(place, std::move(status).error());
+    }
+    enter(ScanState::settling);
+    if (Status status = wait(plan_.settle_s + std::exchange(warm_up_left_s_, 0.0)); !status)
+      return tl::unexpected(std::move(status).error());
+
+    // Trust only the position read back.
+    const Result<Vec2> position = stage_.position();
+    if (!position) return fail_in(place, position.error());
+    reading = *position;
+    if ((reading - target_mm).norm() <= bench_.tolerance_mm) return reading;
+  }
+  return fail("the stage stands at " + say(reading) + " mm instead of " + say(target_mm) + " mm, " +
+                  say((reading - target_mm).norm()) + " mm off after two moves; " + say(bench_.tolerance_mm) +
+                  " mm are allowed",
+              place,
+              "check for a blocked axis, lost steps or a tolerance below the stage's resolution, home it, resume");
+}
+
+Result<Bracket> Scanner::expose_bracket(const Vec2& stage_mm, const std::string& place) {
+  enter(ScanState::exposing);
+  Bracket bracket;
+  bracket.reserve(plan_.exposures_s.size());
+  for (double exposure_s : plan_.exposures_s) {
+    if (stop_.stop_requested()) return stopped();
+    Result<RawImage> frame = expose_frame(exposure_s);
+    if (!frame) return fail_in(place, std::move(frame).error());
+    frame->stage_mm = stage_mm;
+    bracket.push_back(std::move(*frame));
+  }
+  return bracket;
+}
+
+Result<RawImage> Scanner::expose_frame(double exposure_s) {
+  const double begin_s = clock_.now_s();
+  Result<RawImage> frame = camera_.expose(exposure_s);
+  if (!frame) return frame;
+  const double spent_s = clock_.now_s() - begin_s;
+  const double exposed_s = std::min(frame->exposure_s, spent_s);
+  timing_.exposure_s += exposed_s;
+  timing_.readout_s += std::min(spent_s - exposed_s, bench_.camera.readout_s);
+  return frame;
+}
+
+Status Scanner::home() {
+  enter(ScanState::homing);
+  if (stop_.stop_requested()) return stopped();
+  Stretch moving(clock_, timing_.move_s);
+  if (Status status = stage_.home(stop_); !status) return fail_in("homing", std::move(status).error());
+  return {};
+}
+
+Status Scanner::park() {
+  enter(ScanState::parking);
+  Stretch moving(clock_, timing_.move_s);
+  if (Status status = stage_.move_to(dark_target_mm(bench_), stop_); !status)
+    return fail_in("parking", std::move(status).error());
+  return {};
+}
+
+Status Scanner::end(Status status) {
+  if (!status) stage_.halt();
+  if (!status && stop_.stop_requested()) {
+    status = stopped();
+    enter(ScanState::stopped);
+  } else if (!status) {
+    // Bring the lamp behind the opaque patch, unless the stage does not know its place, cannot park or is silent.
+    if (state_ != ScanState::homing && state_ != ScanState::parking && stage_.position())
+      if (const Status parked = park(); !parked)
+        status.error().remedy += " (the stage could not be parked: " + parked.error().message() + ")";
+    enter(ScanState::failed);
+  } else {
+    enter(ScanState::done);
+  }
+  timing_.total_s = clock_.now_s() - begin_s_;
+  timing_.other_s =
+      timing_.total_s - timing_.move_s - timing_.settle_s - timing_.exposure_s - timing_.readout_s - timing_.waiting_s;
+  return status;
+}
+
+void Scanner::enter(ScanState state) {
+  assert(can_follow(state_, state));
+  state_ = state;
+  const double now_s = clock_.now_s();
+  progress_.state = state;
+  progress_.elapsed_s = now_s - begin_s_;
+  progress_.left_s = is_final(state) ? 0 : time_left_.left_s(now_s - first_step_s_);
+  sink_->progress(progress_);
+}
+
+Status Scanner::wait(double seconds) {
+  Stretch settling(clock_, timing_.settle_s);
+  if (!clock_.wait(seconds, stop_)) return stopped();
+  return {};
+}
+
+}  // namespace lumifield

@@ -1,0 +1,16 @@
+#include "acquisition/scan/wording.h"
+
+#include <array>
+#include <cstdio>
+
+namespace lumifield {
+
+std::string say(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", value + 0.0);  // + 0.0: no "-0"
+  return text.data();
+}
+
+std::string say(const Vec2& point) { return "(" + say(point.x()) + ", " + say(point.y()) + ")"; }
+
+}  // namespace lumifield

@@ -1,0 +1,175 @@
+#include "acquisition/scan/scan_rules.h"
+
+#include <cmath>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <limits>
+#include <random>
+
+#include "tests/support/small_bench.h"
+
+namespace lumifield {
+namespace {
+
+using test::bell_bench;
+using test::bell_plan;
+using ::testing::HasSubstr;
+
+Error refusal(const Bench& bench, const Plan& plan) {
+  const auto scan = make_scan_plan(bench, plan);
+  EXPECT_FALSE(scan);
+  return scan ? Error{} : scan.error();
+}
+
+TEST(ScanRules, LimitsSayAxisExcessAndWhatIsNeeded) {
+  Bench bench = bell_bench();
+  bench.limits.high_mm.x() = 100;
+  const Error error = refusal(bench, bell_plan());
+  EXPECT_THAT(error.where, HasSubstr("limits_mm"));
+  EXPECT_THAT(error.what, HasSubstr("stage x from -30 to 120 mm, 20 mm above the high limit"));
+  EXPECT_THAT(error.what, Not(HasSubstr("stage y")));
+  EXPECT_THAT(error.remedy, HasSubstr("(-30, -22.5) … (120, 90)"));
+
+  bench.limits = {{-30, -22.5}, {120, 90}};
+  EXPECT_TRUE(make_scan_plan(bench, bell_plan()));
+  bench.limits.low_mm.y() = -20;
+  EXPECT_THAT(refusal(bench, bell_plan()).what, HasSubstr("stage y from -22.5 to 90 mm, 2.5 mm below the low limit"));
+}
+
+TEST(ScanRules, FiltersStandFarEnoughApart) {
+  // 30 mm half the grid, 18 mm half the lamp, 15 mm half the window.
+  Bench bench = bell_bench();
+  bench.filter.passes[1].offset_mm = {62.9, 0};
+  EXPECT_THAT(refusal(bench, bell_plan()).what, HasSubstr("stand 62.9 mm apart along x; 63 mm are needed"));
+  bench.filter.passes[1].offset_mm = {63, 0};
+  EXPECT_TRUE(make_scan_plan(bench, bell_plan()));
+
+  // The opaque patch, along y: 22.5 + 11 + 15. An offset grid reaches farther to one side.
+  bench.filter.dark_offset_mm = {0, 48.4};
+  EXPECT_THAT(refusal(bench, bell_plan()).what, HasSubstr("opaque patch stand 48.4 mm apart along y; 48.5 mm"));
+  bench.filter.dark_offset_mm = {0, 48.5};
+  EXPECT_TRUE(make_scan_plan(bench, bell_plan()));
+  Plan shifted = bell_plan();
+  shifted.center_mm = {0, 0.2};
+  EXPECT_THAT(refusal(bench, shifted).what, HasSubstr("48.7 mm are needed"));
+}
+
+TEST(ScanRules, ApartCountsOnPlaneU) {
+  Bench bench = bell_bench();
+  bench.stage_to_luminaire.linear << 0.5, 0, 0, 1;
+  bench.limits = {{-500, -500}, {500, 500}};
+  EXPECT_THAT(refusal(bench, bell_plan()).what, HasSubstr("stand 45 mm apart along x; 63 mm are needed"));
+}
+
+TEST(ScanRules, TheGridHoldsEveryCellWhoseDualWindowTouchesTheLamp) {
+  Plan plan = bell_plan();
+  plan.columns = 7;
+  plan.rows = 5;
+  plan.reference.cell = {2, 3};
+  EXPECT_THAT(refusal(bell_bench(), plan).what, HasSubstr("at least 8 columns and 6 rows"));
+
+  // Against the definition, cell by cell beyond the grid's edges.
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> size(1, 50), spacing(2, 12), shift(-6, 6);
+  std::uniform_int_distribution<int> count(1, 20);
+  Bench bench = bell_bench();
+  int complete_grids = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    bench.lamp_size_mm = {size(random), size(random)};
+    bench.filter.spacing_mm = {spacing(random), spacing(random)};
+    plan.columns = count(random);
+    plan.rows = count(random);
+    plan.center_mm = {shift(random), shift(random)};
+    const Vec2 reach = bench.lamp_size_mm / 2 + bench.filter.window * bench.filter.spacing_mm / 2;
+    bool complete = true;
+    for (int axis : {0, 1}) {
+      const int n = axis == 0 ? plan.columns : plan.rows;
+      for (int outside = 0; outside < 40; ++outside)
+        for (int j : {-1 - outside, n + outside}) {
+          const double u = plan.center_mm[axis] + (j - (n - 1) / 2.0) * bench.filter.spacing_mm[axis];
+          if (std::abs(u) < reach[axis]) complete = false;
+        }
+    }
+    complete_grids += complete;
+    const GridSize needed = needed_grid(bench, plan);
+    EXPECT_EQ(plan.columns >= needed.columns && plan.rows >= needed.rows, complete) << "trial " << trial;
+  }
+  EXPECT_GT(complete_grids, 200);
+}
+
+TEST(ScanRules, ScalesAreTheDuals) {
+  Bench bench = bell_bench();
+  bench.filter.passes[0].scale *= 1.009;
+  EXPECT_TRUE(make_scan_plan(bench, bell_plan()));
+  bench.filter.passes[0].scale = 2.07;
+  EXPECT_THAT(refusal(bench, bell_plan()).what, HasSubstr("scale 2.07 is not the dual filter's 1.879"));
+  EXPECT_THAT(refusal(bench, bell_plan()).where, HasSubstr("passes[0].scale"));
+
+  bench = bell_bench();
+  bench.filter.passes.pop_back();
+  EXPECT_THAT(refusal(bench, bell_plan()).what, HasSubstr("negative filter is missing"));
+  bench.filter.passes.push_back(bench.filter.passes[0]);
+  EXPECT_THAT(refusal(bench, bell_plan()).where, HasSubstr("passes[1]"));
+  bench.filter.passes[1].scale = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal(bench, bell_plan()).where, HasSubstr("passes[1].scale"));
+  bench.filter.passes.clear();
+  EXPECT_THAT(refusal(bench, bell_plan()).what, HasSubstr("positive filter is missing"));
+
+  for (const int window : {0, 1, 1'000'000'000}) {
+    bench = bell_bench();
+    bench.filter.window = window;
+    EXPECT_THAT(refusal(bench, bell_plan()).where, HasSubstr("window"));
+  }
+}
+
+TEST(ScanRules, ABoxSlideHasNoNegativeFilter) {
+  Bench bench = bell_bench();
+  bench.filter.basis = BasisKind::box;
+  bench.filter.window = 1;
+  bench.filter.passes = {{"open", {0, 0}, 1}};
+  EXPECT_TRUE(make_scan_plan(bench, bell_plan()));
+  bench.filter.passes.push_back({"negative", {90, 0}, -0.1});
+  EXPECT_THAT(refusal(bench, bell_plan()).where, HasSubstr("passes[1]"));
+}
+
+TEST(ScanRules, ExposuresAscendWithinTenSeconds) {
+  Plan plan = bell_plan();
+  for (const double wrong : {0.0, -1.0, 10.5, std::numeric_limits<double>::quiet_NaN()}) {
+    plan.exposures_s = {wrong};
+    EXPECT_THAT(refusal(bell_bench(), plan).where, HasSubstr("exposures_s"));
+  }
+  plan.exposures_s = {0.1, 0.1};
+  EXPECT_THAT(refusal(bell_bench(), plan).what, HasSubstr("0.1 s comes after 0.1 s"));
+  plan.exposures_s = {};
+  EXPECT_THAT(refusal(bell_bench(), plan).what, HasSubstr("no exposure"));
+  plan.exposures_s = {10};
+  EXPECT_TRUE(make_scan_plan(bell_bench(), plan));
+}
+
+TEST(ScanRules, RefusesWhatCannotBeScanned) {
+  Plan plan = bell_plan();
+  plan.reference.cell = {7, 0};
+  EXPECT_THAT(refusal(bell_bench(), plan).what, HasSubstr("row 7, column 0 lies outside the grid of 7 rows"));
+  plan = bell_plan();
+  plan.columns = 1'000'000'000;
+  plan.rows = 1'000'000'000;
+  EXPECT_THAT(refusal(bell_bench(), plan).what, HasSubstr("1000000000000000000 cells"));
+  plan.columns = 0;
+  EXPECT_THAT(refusal(bell_bench(), plan).where, HasSubstr("columns"));
+  plan = bell_plan();
+  plan.settle_s = -1;
+  EXPECT_THAT(refusal(bell_bench(), plan).where, HasSubstr("settle_s"));
+
+  Bench bench = bell_bench();
+  bench.stage_to_luminaire.linear << 1, 2, 2, 4;
+  EXPECT_THAT(refusal(bench, bell_plan()).where, HasSubstr("stage_to_luminaire"));
+  bench = bell_bench();
+  bench.tolerance_mm = 0;
+  EXPECT_THAT(refusal(bench, bell_plan()).where, HasSubstr("tolerance_mm"));
+  bench = bell_bench();
+  bench.filter.spacing_mm.x() = 0;
+  EXPECT_THAT(refusal(bench, bell_plan()).where, HasSubstr("spacing_mm"));
+}
+
+}  // namespace
+}  // namespace lumifield
