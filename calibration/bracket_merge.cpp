@@ -21,6 +21,12 @@ constexpr float least_noise = 0.25f;
 /// A dark above this share of the range leaves too little of it.
 constexpr double hot_share = 0.9;
 
+/// By value, so that the loops below become vector instructions.
+inline float at_least(float x, float least) { return x > least ? x : least; }
+inline float at_most(float x, float most) { return x < most ? x : most; }
+/// a/b, 0 where b is 0; b ≥ 0.
+inline float share_of(float a, float b) { return b > 0 ? a / b : 0.0f; }
+
 /// The constants of one exposure.
 struct Exposure {
   const RawImage* light = nullptr;
@@ -105,7 +111,7 @@ class BlockMerge {
       const float t = darks[d].t, fixed = darks[d].fixed;
       const float* share = lanes_.dark_share[d].data();
       for (int i = 0; i < block; ++i)
-        lanes_.variance[i] += share[i] * share[i] * std::max(lanes_.dark_rate[i] * t + fixed, least_noise * fixed);
+        lanes_.variance[i] += share[i] * share[i] * at_least(lanes_.dark_rate[i] * t + fixed, least_noise * fixed);
     }
     for (int i = 0; i < size_; ++i)
       out[i] = {lanes_.value[i] * factor[i], lanes_.variance[i] * factor[i] * factor[i], lanes_.valid[i],
@@ -144,7 +150,7 @@ class BlockMerge {
       const Lane &n = lanes_.n[k], &counts = lanes_.counts[k];
       for (int i = 0; i < block; ++i) lanes_.rate[i] += counts[i] * n[i], time[i] += counts[i] * t;
     }
-    for (int i = 0; i < block; ++i) lanes_.rate[i] = time[i] > 0 ? lanes_.rate[i] / time[i] : 0;
+    for (int i = 0; i < block; ++i) lanes_.rate[i] = share_of(lanes_.rate[i], time[i]);
   }
 
   /// rate = Σ w n/t / Σ w with weights at the rate so far; faded only in the last round, since a rate made from faded
@@ -155,46 +161,47 @@ class BlockMerge {
     lanes_.weight_sum.fill(0);
     for (std::size_t k = 0; k < pass.exposures.size(); ++k) {
       const Exposure& x = pass.exposures[k];
-      const float frames = x.dark ? 2.0f : 1.0f, per_t = 1 / x.t;
+      const float frames = x.dark ? 2.0f : 1.0f, t = x.t, per_t = 1 / t, fixed = x.fixed, least = least_noise * fixed;
       const bool fades = faded && k > 0;
-      const float fade_slope = fades ? x.fade_slope : 0, fade_least = fades ? 0 : 1;
+      const float fade_slope = fades ? x.fade_slope : 0, fade_least = fades ? 0 : 1, fade_end = x.fade_end;
       const Lane &n = lanes_.n[k], &counts = lanes_.counts[k];
       Lane& weight = lanes_.weight[k];
       for (int i = 0; i < block; ++i) {
-        const float shot = lanes_.rate[i] * x.t, dark = lanes_.dark_rate[i] * x.t;
-        const float fade = std::clamp((x.fade_end - shot - dark) * fade_slope, fade_least, 1.0f);
-        const float noise = std::max(shot + frames * (dark + x.fixed), least_noise * x.fixed);
-        const float w = counts[i] * fade * x.t * x.t / noise;
+        const float shot = lanes_.rate[i] * t, dark = lanes_.dark_rate[i] * t;
+        const float fade = at_most(at_least((fade_end - shot - dark) * fade_slope, fade_least), 1.0f);
+        const float noise = at_least(shot + frames * (dark + fixed), least);
+        const float w = counts[i] * fade * t * t / noise;
         weight[i] = w;
         lanes_.weight_sum[i] += w;
         sum[i] += w * n[i] * per_t;
       }
     }
-    for (int i = 0; i < block; ++i) lanes_.rate[i] = lanes_.weight_sum[i] > 0 ? sum[i] / lanes_.weight_sum[i] : 0;
+    for (int i = 0; i < block; ++i) lanes_.rate[i] = share_of(sum[i], lanes_.weight_sum[i]);
   }
 
   /// Adds scale · rate and its variance; the dark frames' share of it waits for finish().
   void accumulate(const Pass& pass) {
     const Exposure &shortest = pass.exposures.front(), &longest = pass.exposures.back();
     Lane per_weight;
+    const float full_rate = shortest.full / shortest.t, per_shortest = 1 / shortest.t;
     for (int i = 0; i < block; ++i) {
-      const bool valid = lanes_.weight_sum[i] > 0;
-      per_weight[i] = valid ? pass.scale / lanes_.weight_sum[i] : 0;
-      const float rate = valid ? lanes_.rate[i] : lanes_.n[0][i] / shortest.t;
-      const float bound = valid ? 0 : pass.scale * shortest.full / shortest.t;
+      const float weight = lanes_.weight_sum[i], valid = weight > 0 ? 1.0f : 0.0f, invalid = 1 - valid;
+      const float rate = valid * lanes_.rate[i] + invalid * lanes_.n[0][i] * per_shortest;
+      const float sigma = invalid * pass.scale * full_rate;
+      per_weight[i] = share_of(pass.scale, weight);
       lanes_.value[i] += pass.scale * rate;
-      lanes_.variance[i] += bound * bound;
-      lanes_.valid[i] *= valid ? 1.0f : 0.0f;
-      lanes_.electrons[i] = std::max(lanes_.electrons[i], rate * longest.t);
+      lanes_.variance[i] += sigma * sigma;
+      lanes_.valid[i] *= valid;
+      lanes_.electrons[i] += rate * longest.t;
     }
     for (std::size_t k = 0; k < pass.exposures.size(); ++k) {
       const Exposure& x = pass.exposures[k];
-      const float per_t = 1 / x.t;
+      const float t = x.t, per_t = 1 / t, fixed = x.fixed, least = least_noise * fixed;
       const Lane& weight = lanes_.weight[k];
       Lane& dark_share = x.dark ? lanes_.dark_share[x.dark_index] : lanes_.unused;
       for (int i = 0; i < block; ++i) {
         const float share = weight[i] * per_weight[i] * per_t;
-        const float noise = std::max((lanes_.rate[i] + lanes_.dark_rate[i]) * x.t + x.fixed, least_noise * x.fixed);
+        const float noise = at_least((lanes_.rate[i] + lanes_.dark_rate[i]) * t + fixed, least);
         lanes_.variance[i] += share * share * noise;
         dark_share[i] += share;
       }

@@ -61,7 +61,7 @@ struct PhotositeSignal {
   float value = 0;
   float variance = 0;
   float valid = 0;      ///< 1 or 0
-  float electrons = 0;  ///< largest signal of the longest exposure over the passes, e⁻
+  float electrons = 0;  ///< signal of the longest exposure, summed over the passes, e⁻
 };
 
 /// Photosites [begin, end) of one sensor row.

@@ -181,7 +181,7 @@ void Developer::Impl::add_passes(std::span<const WeightedBracket> passes, CellIm
       image.value[offset + p] += channel.value[p];
       image.variance[offset + p] += channel.variance[p];
       faults.valid_share[offset + p] = std::min(faults.valid_share[offset + p], channel.valid_share[p]);
-      faults.electrons[offset + p] = std::max(faults.electrons[offset + p], channel.electrons[p]);
+      faults.electrons[offset + p] += channel.electrons[p];
     }
   }
 }
@@ -198,8 +198,7 @@ Result<CellImage> Developer::Impl::develop(const RawCell& raw) {
   const std::size_t values = image.plane() * geometry.channels.size();
   image.value.assign(values, 0);
   image.variance.assign(values, 0);
-  ScreenFaults faults{std::vector<float>(values, 1),
-                      std::vector<float>(values, -std::numeric_limits<float>::infinity())};
+  ScreenFaults faults{std::vector<float>(values, 1), std::vector<float>(values, 0)};
 
   // Add the passes: together where they see S in the same place, else one by one
   std::vector<WeightedBracket> passes;

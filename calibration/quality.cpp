@@ -53,7 +53,8 @@ Quality judge(const CellImage& image, const ScreenFaults& faults, const RawCell&
               const Bench& bench, const Plan& plan) {
   // Measure
   Quality q;
-  const float read_noise = static_cast<float>(bench.sensor.read_noise_e);
+  const double frames = static_cast<double>(bench.filter.passes.size());
+  const float read_noise = static_cast<float>(bench.sensor.read_noise_e * std::sqrt(frames));
   q.saturated_share = share(image, false, [&](std::size_t i) { return faults.valid_share[i] < least_valid_share; });
   q.starved_share = share(image, true, [&](std::size_t i) {
     return faults.valid_share[i] >= least_valid_share && faults.electrons[i] <= read_noise;

@@ -10,10 +10,10 @@
 
 namespace lumifield {
 
-/// What is wrong with the pixels of S, per channel and pixel, worst pass.
+/// What is wrong with the pixels of S, per channel and pixel.
 struct ScreenFaults {
-  std::vector<float> valid_share;  ///< of what covers the pixel
-  std::vector<float> electrons;    ///< mean signal of the longest exposure, of the brightest pass
+  std::vector<float> valid_share;  ///< of what covers the pixel, worst pass
+  std::vector<float> electrons;    ///< mean signal of the longest exposure, summed over the passes
 };
 
 /// Below this share of valid photosites a pixel of S has no value of its own.

@@ -7,7 +7,7 @@
 namespace lumifield {
 namespace {
 
-constexpr double most_photosites = 1 << 26, most_pixels = 1 << 24;
+constexpr double most_photosites = 1 << 25, most_pixels = 1 << 24;
 
 bool all_finite(std::initializer_list<double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
@@ -17,7 +17,7 @@ Status check_camera_model(const CameraModel& m) {
   const char* where = "camera_model";
   if (m.width_px < 2 || m.height_px < 2 || static_cast<double>(m.width_px) * m.height_px > most_photosites)
     return fail("a sensor of " + std::to_string(m.width_px) + "×" + std::to_string(m.height_px) + " px", where,
-                "give 2×2 px up to 64 Mpx");
+                "give 2×2 px up to 32 Mpx");
   if (!all_finite({m.fx, m.fy, m.cx, m.cy}) || !(m.fx > 0 && m.fy > 0) ||
       !std::all_of(m.distortion.begin(), m.distortion.end(), [](double v) { return std::isfinite(v); }) ||
       !std::all_of(m.vignetting.begin(), m.vignetting.end(), [](double v) { return std::isfinite(v); }))

@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(
         {"NotARotation", "camera_model.pose", [](Bench& b, Plan&) { b.camera_model.pose(0, 0) *= 1.1; }},
         {"Mirrored", "camera_model.pose", [](Bench& b, Plan&) { b.camera_model.pose.row(0) *= -1; }},
         {"NanDistortion", "coefficients finite", [](Bench& b, Plan&) { b.camera_model.distortion[2] = nan; }},
-        {"HugeSensor", "64 Mpx", [](Bench& b, Plan&) { b.camera_model.width_px = 1 << 30; }},
+        {"HugeSensor", "32 Mpx", [](Bench& b, Plan&) { b.camera_model.width_px = 1 << 30; }},
         {"HugeS", "16 Mpx", [](Bench&, Plan& p) { p.measurement.width_px = p.measurement.height_px = 1 << 20; }},
         {"NoS", "positive pixels",
          [](Bench&, Plan& p) {
