@@ -1,5 +1,6 @@
 #include "acquisition/virtual/lamps.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lumifield::virtual_bench {
@@ -7,6 +8,11 @@ namespace lumifield::virtual_bench {
 double AxisTerm::window(double u) const {
   const double t = (u - center_mm) / half_mm;
   return std::abs(t) < 1 ? (1 - t * t) * (1 - t * t) : 0;
+}
+
+double AxisTerm::detail_mm() const {
+  const double finest = edge_width == 0 ? sigma : std::min(sigma, 3 * std::abs(edge_width));
+  return std::min(kSeparationMm * finest, 4.0);
 }
 
 double AxisTerm::lobe(double u, double m) const {
@@ -23,9 +29,10 @@ Eigen::ArrayXd AxisTerm::lobe(double u, const Eigen::ArrayXd& m) const {
 
 Eigen::Array3d Lamp::radiance(const Vec2& u, const Vec2& m) const {
   Eigen::Array3d sum = Eigen::Array3d::Zero();
-  for (const LampTerm& term : terms)
-    sum += term.radiance *
-           (term.x.window(u.x()) * term.x.lobe(u.x(), m.x()) * term.y.window(u.y()) * term.y.lobe(u.y(), m.y()));
+  for (const LampTerm& term : terms) {
+    const double window = term.x.window(u.x()) * term.y.window(u.y());
+    if (window > 0) sum += term.radiance * (window * term.x.lobe(u.x(), m.x()) * term.y.lobe(u.y(), m.y()));
+  }
   const double inverse_cos2 = 1 + m.squaredNorm();
   return sum * inverse_cos2 * inverse_cos2;
 }

@@ -29,6 +29,8 @@ struct AxisTerm {
   double low_mm() const { return center_mm - half_mm; }
   double high_mm() const { return center_mm + half_mm; }
   double lobe_center(double u) const { return slope + bend_per_mm * (u - center_mm); }
+  /// Length in u over which F, seen from a point of S, is a low polynomial.
+  double detail_mm() const;
   double window(double u) const;
   double lobe(double u, double m) const;
   Eigen::ArrayXd lobe(double u, const Eigen::ArrayXd& m) const;

@@ -28,24 +28,6 @@ Distorted distort_with_jacobian(const CameraModel& camera, const Vec2& ideal) {
   return d;
 }
 
-Vec2 ideal_of(const CameraModel& camera, const Vec2& pixel) {
-  return undistort(camera, Vec2((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy));
-}
-
-std::optional<Vec2> hit_screen(const CameraModel& camera, double separation_mm, const Vec2& ideal) {
-  const Eigen::Matrix3d to_bench = camera.pose.topLeftCorner<3, 3>().transpose();
-  const Vec3 eye = -to_bench * camera.pose.topRightCorner<3, 1>();
-  const Vec3 ray = to_bench * Vec3(ideal.x(), ideal.y(), 1);
-  const double distance = (separation_mm - eye.z()) / ray.z();
-  if (!(distance > 0) || !std::isfinite(distance)) return std::nullopt;
-  return Vec2((eye + distance * ray).head<2>());
-}
-
-double illumination_of(const CameraModel& camera, const Vec2& ideal) {
-  const double r2 = ideal.squaredNorm();
-  return 1 + r2 * (camera.vignetting[0] + r2 * (camera.vignetting[1] + r2 * camera.vignetting[2]));
-}
-
 }  // namespace
 
 Vec2 distort(const CameraModel& camera, const Vec2& ideal) { return distort_with_jacobian(camera, ideal).value; }
@@ -65,14 +47,6 @@ Vec2 project(const CameraModel& camera, const Vec3& p_mm) {
   const Vec3 q = transform_point(camera.pose, p_mm);
   const Vec2 d = distort(camera, q.head<2>() / q.z());
   return {camera.fx * d.x() + camera.cx, camera.fy * d.y() + camera.cy};
-}
-
-std::optional<Vec2> seen_on_screen(const CameraModel& camera, double separation_mm, const Vec2& pixel) {
-  return hit_screen(camera, separation_mm, ideal_of(camera, pixel));
-}
-
-double relative_illumination(const CameraModel& camera, const Vec2& pixel) {
-  return illumination_of(camera, ideal_of(camera, pixel));
 }
 
 namespace {
@@ -127,16 +101,20 @@ CameraModel place_camera(int width_px, int height_px, double separation_mm, cons
 }
 
 LensMap make_lens_map(const CameraModel& camera, double separation_mm) {
+  const Eigen::Matrix3d to_bench = camera.pose.topLeftCorner<3, 3>().transpose();
+  const Vec3 eye = -to_bench * camera.pose.topRightCorner<3, 1>();
+  const auto [v1, v2, v3] = camera.vignetting;
   LensMap map{camera.width_px, camera.height_px, {}, {}};
   map.screen_mm.reserve(static_cast<std::size_t>(camera.width_px) * camera.height_px);
   map.illumination.reserve(map.screen_mm.capacity());
   for (int j = 0; j < camera.height_px; ++j)
     for (int i = 0; i < camera.width_px; ++i) {
-      const Vec2 ideal = ideal_of(camera, Vec2(i, j));
-      const std::optional<Vec2> s = hit_screen(camera, separation_mm, ideal);
-      const float missed = std::numeric_limits<float>::quiet_NaN();
-      map.screen_mm.push_back(s ? Eigen::Vector2f(s->cast<float>()) : Eigen::Vector2f(missed, missed));
-      map.illumination.push_back(static_cast<float>(illumination_of(camera, ideal)));
+      const Vec2 ideal = undistort(camera, Vec2((i - camera.cx) / camera.fx, (j - camera.cy) / camera.fy));
+      const Vec3 ray = to_bench * ideal.homogeneous();
+      const double distance = (separation_mm - eye.z()) / ray.z(), r2 = ideal.squaredNorm();
+      const double seen = distance > 0 ? distance : std::numeric_limits<double>::quiet_NaN();
+      map.screen_mm.push_back((eye + seen * ray).head<2>().cast<float>());
+      map.illumination.push_back(static_cast<float>(1 + r2 * (v1 + r2 * (v2 + r2 * v3))));
     }
   return map;
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "luminaire/bench.h"
@@ -12,17 +11,12 @@ namespace lumifield::virtual_bench {
 ///     x_d = x (1 + k1 r² + k2 r⁴ + k3 r⁶) + 2 p1 x y + p2 (r² + 2x²),   y_d alike with p1, p2 swapped,
 ///     pixel = (fx x_d + cx, fy y_d + cy)                                         (Brown 1966, Conrady 1919)
 
-/// Undistorted image coordinates to distorted ones.
 Vec2 distort(const CameraModel& camera, const Vec2& ideal);
 /// Its inverse by Newton's method.
 Vec2 undistort(const CameraModel& camera, const Vec2& distorted);
 
 /// Pixel coordinates of a point in front of the camera, bench frame.
 Vec2 project(const CameraModel& camera, const Vec3& p_mm);
-/// Point of the plane z = separation seen at pixel coordinates; empty when the ray misses it.
-std::optional<Vec2> seen_on_screen(const CameraModel& camera, double separation_mm, const Vec2& pixel);
-/// Relative illumination at pixel coordinates.
-double relative_illumination(const CameraModel& camera, const Vec2& pixel);
 
 /// A camera that looks obliquely, from beyond and below, at the back of the translucent screen and sees the rectangle
 /// ±half_view_mm around the axis with a small margin: clear of lamp and slide wherever the stage stands.

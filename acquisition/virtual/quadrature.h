@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 namespace lumifield::virtual_bench {
@@ -9,13 +10,15 @@ struct GaussRule {
   explicit GaussRule(int n);
   std::vector<double> x, w;
 
-  /// ∫ f over [a, b].
+  /// Calls f(u, weight) at the nodes of [low, high], cut into equal panels no longer than `longest`; nothing when
+  /// empty.
   template <class F>
-  double integrate(double a, double b, F&& f) const {
-    const double middle = (a + b) / 2, half = (b - a) / 2;
-    double sum = 0;
-    for (std::size_t i = 0; i < x.size(); ++i) sum += w[i] * f(middle + half * x[i]);
-    return half * sum;
+  void panels(double low, double high, double longest, F&& f) const {
+    if (!(low < high)) return;
+    const int count = static_cast<int>(std::ceil((high - low) / longest));
+    const double half = (high - low) / (2 * count);
+    for (int panel = 0; panel < count; ++panel)
+      for (std::size_t i = 0; i < x.size(); ++i) f(low + half * (2 * panel + 1 + x[i]), half * w[i]);
   }
 };
 

@@ -29,24 +29,16 @@ AxisIntegrals integrate_axis(const AxisTerm& term, const Slide& slide, int axis,
                              const Eigen::ArrayXd& s) {
   static const GaussRule rule(8);
   const double a = slide.filter().spacing_mm[axis];
-  const double scale =
-      kSeparationMm * (term.edge_width == 0 ? term.sigma : std::min(term.sigma, 3 * std::abs(term.edge_width)));
   AxisIntegrals sums;
   for (const Slide::Piece& piece : slide.pieces()) {
     const double low = std::max(filter_mm + a * piece.begin, term.low_mm());
     const double high = std::min(filter_mm + a * piece.end, term.high_mm());
-    if (low >= high) continue;
     Eigen::ArrayXd& sum = piece.positive ? sums.positive : sums.negative;
-    if (sum.size() == 0) sum = Eigen::ArrayXd::Zero(s.size());
-
-    const int panels = static_cast<int>(std::ceil((high - low) / std::min(scale, 4.0)));
-    const double half = (high - low) / (2 * panels);
-    for (int panel = 0; panel < panels; ++panel)
-      for (std::size_t node = 0; node < rule.x.size(); ++node) {
-        const double u = low + half * (2 * panel + 1 + rule.x[node]);
-        const double weight = half * rule.w[node] * std::abs(slide.f((u - filter_mm) / a)) * term.window(u);
-        sum += weight * term.lobe(u, Eigen::ArrayXd((s - u) / kSeparationMm));
-      }
+    if (low < high && sum.size() == 0) sum = Eigen::ArrayXd::Zero(s.size());
+    rule.panels(low, high, term.detail_mm(), [&](double u, double weight) {
+      weight *= std::abs(slide.f((u - filter_mm) / a)) * term.window(u);
+      sum += weight * term.lobe(u, Eigen::ArrayXd((s - u) / kSeparationMm));
+    });
   }
   return sums;
 }

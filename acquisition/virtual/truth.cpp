@@ -21,8 +21,6 @@ namespace {
 
 /// The cells along one axis, and their dual filter.
 struct AxisCells {
-  AxisCells(BasisKind kind, double spacing_mm, int window, double lamp_mm)
-      : a(spacing_mm), count(cells_needed(lamp_mm, spacing_mm, window)), dual(kind, window) {}
   double center(int i) const { return (i - (count - 1) / 2.0) * a; }
 
   double a;
@@ -30,117 +28,118 @@ struct AxisCells {
   Dual dual;
 };
 
-/// Appends the surroundings of a term's edge, seen along a line towards p at height z.
-void add_edge_breaks(const AxisTerm& term, double p, double z, std::vector<double>& breaks) {
-  if (term.edge_width == 0) return;
-  for (double k : {-30.0, -15.0, -6.0, -2.0, 2.0, 6.0, 15.0, 30.0})
-    breaks.push_back(p - z * (term.edge + k * term.edge_width));
+/// One axis of a term and, projected, the quadrature of its coefficients: what does not depend on the receiver.
+struct AxisSource {
+  AxisSource(const AxisTerm& axis, const AxisCells* grid);
+
+  AxisTerm term;
+  const AxisCells* cells;                ///< null: the lamp itself
+  std::vector<std::vector<Vec2>> nodes;  ///< of each cell's c_i: x', and weight Φ′ w/a there
+  std::vector<double> knots;             ///< of the duals, within the term's window
+};
+
+AxisSource::AxisSource(const AxisTerm& axis, const AxisCells* grid)
+    : term(axis), cells(grid), nodes(grid ? grid->count : 0) {
+  // On a panel of detail_mm six nodes leave 1e-8.
+  const GaussRule rule(6);
+  for (int i = 0; i < static_cast<int>(nodes.size()); ++i)
+    for (int k = -grid->dual.window(); k < grid->dual.window(); ++k) {
+      const double c = grid->center(i), a = grid->a;
+      const double low = std::max(c + a * k / 2, term.low_mm()), high = std::min(c + a * (k + 1) / 2, term.high_mm());
+      if (low < high) knots.push_back(low);
+      rule.panels(low, high, term.detail_mm(), [&](double u, double weight) {
+        nodes[i].emplace_back(u, weight * grid->dual((u - c) / a) * term.window(u) / a);
+      });
+    }
+  knots.push_back(term.high_mm());
+  std::sort(knots.begin(), knots.end());
+  knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
 }
 
-/// Appends where its lobe peaks and fades.
-void add_lobe_breaks(const AxisTerm& term, double p, double z, std::vector<double>& breaks) {
-  const double turn = 1 / z + term.bend_per_mm;
-  if (std::abs(turn) < 1e-9) return;
-  for (double k : {-6.0, -3.0, -1.5, 0.0, 1.5, 3.0, 6.0})
-    breaks.push_back((p / z - term.slope + term.bend_per_mm * term.center_mm + k * term.sigma) / turn);
-}
-
-void sort_within(double low, double high, std::vector<double>& breaks) {
-  std::erase_if(breaks, [&](double b) { return !(b > low && b < high); });
-  breaks.push_back(low);
-  breaks.push_back(high);
-  std::sort(breaks.begin(), breaks.end());
-  breaks.erase(std::unique(breaks.begin(), breaks.end()), breaks.end());
-}
-
-/// One axis of a term seen from a receiver: the integrand and the ends of its smooth pieces.
+/// What a receiver at p and height z sees of it along this axis.
 class AxisIntegrand {
  public:
-  AxisIntegrand(const AxisTerm& term, const AxisCells* cells, double p, double z, const GaussRule& rule)
-      : term_(term), cells_(cells), p_(p), z_(z), rule_(rule) {}
+  AxisIntegrand(const AxisSource& source, double p, double z) : source_(source), term_(source.term), p_(p), z_(z) {}
 
-  double operator()(double u) const {
-    const double m = (p_ - u) / z_;
-    if (!cells_) return term_.window(u) * term_.lobe(u, m);
-    const double s = u + kSeparationMm * m;
-    double sum = 0;
-    for (int i = 0; i < cells_->count; ++i) {
-      const double phi = cells_->dual.basis()((u - cells_->center(i)) / cells_->a);
-      if (phi != 0) sum += phi * coefficient(i, s);
-    }
-    return sum;
-  }
-
-  std::vector<double> breaks() const {
-    std::vector<double> breaks;
-    if (!cells_) {
-      add_edge_breaks(term_, p_, z_, breaks);
-      add_lobe_breaks(term_, p_, z_, breaks);
-      sort_within(term_.low_mm(), term_.high_mm(), breaks);
-      return breaks;
-    }
-    // Knots of every cell whose dual window meets the term's window; s(u) crosses the images' features between them.
-    const double reach = cells_->a * cells_->dual.window() / 2,
-                 support = cells_->a * cells_->dual.basis().half_support();
-    double low = term_.high_mm(), high = term_.low_mm();
-    for (int i = 0; i < cells_->count; ++i) {
-      const double c = cells_->center(i);
-      if (c + reach <= term_.low_mm() || c - reach >= term_.high_mm()) continue;
-      low = std::min(low, c - support);
-      high = std::max(high, c + support);
-      for (const Basis::Piece& piece : cells_->dual.basis().pieces()) breaks.push_back(c + cells_->a * piece.begin);
-    }
-    add_image_breaks(breaks);
-    sort_within(low, high, breaks);
-    return breaks;
-  }
+  double operator()(double u) const;
+  /// Ends of its smooth pieces.
+  std::vector<double> breaks() const { return source_.cells ? projected_breaks() : lamp_breaks(); }
 
  private:
-  /// c_i(s), between the knots of the dual; from S a lobe is wider than they are apart.
-  double coefficient(int i, double s) const {
-    const double c = cells_->center(i), a = cells_->a;
-    std::vector<double> breaks;
-    for (int k = -cells_->dual.window(); k <= cells_->dual.window(); ++k) breaks.push_back(c + a * k / 2.0);
-    const double low = std::max(breaks.front(), term_.low_mm()), high = std::min(breaks.back(), term_.high_mm());
-    if (low >= high) return 0;
-    add_edge_breaks(term_, s, kSeparationMm, breaks);
-    sort_within(low, high, breaks);
-    double sum = 0;
-    for (std::size_t b = 0; b + 1 < breaks.size(); ++b)
-      sum += rule_.integrate(breaks[b], breaks[b + 1], [&](double u) {
-        return cells_->dual((u - c) / a) * term_.window(u) * term_.lobe(u, (s - u) / kSeparationMm);
-      });
-    return sum / a;
-  }
+  std::vector<double> lamp_breaks() const;
+  std::vector<double> projected_breaks() const;
 
-  /// The images of a term are its window's shadow on S, blurred by its lobe: back on U along the lines to p.
-  void add_image_breaks(std::vector<double>& breaks) const {
-    const double r = 1 - kSeparationMm / z_;
-    if (std::abs(r) < 1e-9) return;
-    const double middle = term_.center_mm + kSeparationMm * term_.slope;
-    const double shadow = term_.half_mm * std::abs(1 + kSeparationMm * term_.bend_per_mm);
-    std::vector<double> s;
-    for (double k : {-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0})
-      s.push_back(middle + k * (shadow / 2 + kSeparationMm * term_.sigma) / 2);
-    if (term_.edge_width != 0)
-      for (double u : {term_.low_mm(), term_.center_mm, term_.high_mm()}) s.push_back(u + kSeparationMm * term_.edge);
-    for (double at : s) breaks.push_back((at - p_ * kSeparationMm / z_) / r);
-  }
-
+  const AxisSource& source_;
   const AxisTerm& term_;
-  const AxisCells* cells_;
   double p_, z_;
-  const GaussRule& rule_;
 };
+
+double AxisIntegrand::operator()(double u) const {
+  const double m = (p_ - u) / z_;
+  if (!source_.cells) return term_.window(u) * term_.lobe(u, m);
+  const double s = u + kSeparationMm * m;
+  double sum = 0;
+  for (int i = 0; i < source_.cells->count; ++i) {
+    const std::vector<Vec2>& nodes = source_.nodes[i];
+    const double phi =
+        nodes.empty() ? 0 : source_.cells->dual.basis()((u - source_.cells->center(i)) / source_.cells->a);
+    if (phi == 0) continue;
+    double coefficient = 0;
+    for (const Vec2& node : nodes) coefficient += node.y() * term_.lobe(node.x(), (s - node.x()) / kSeparationMm);
+    sum += phi * coefficient;
+  }
+  return sum;
+}
+
+std::vector<double> sorted_within(double low, double high, std::vector<double> breaks) {
+  std::erase_if(breaks, [&](double b) { return !(b > low && b < high); });
+  breaks.insert(breaks.end(), {low, high});
+  std::sort(breaks.begin(), breaks.end());
+  breaks.erase(std::unique(breaks.begin(), breaks.end()), breaks.end());
+  return breaks;
+}
+
+/// The window's ends, and where along the lines to p the lobe and the edge rise and fade.
+std::vector<double> AxisIntegrand::lamp_breaks() const {
+  std::vector<double> breaks;
+  const double turn = 1 / z_ + term_.bend_per_mm;
+  for (double k : {-6.0, -3.0, -1.5, 0.0, 1.5, 3.0, 6.0})
+    if (std::abs(turn) > 1e-9) breaks.push_back((p_ / z_ - term_.lobe_center(0) + k * term_.sigma) / turn);
+  for (double k : {-30.0, -15.0, -6.0, -2.0, 2.0, 6.0, 15.0, 30.0})
+    if (term_.edge_width != 0) breaks.push_back(p_ - z_ * (term_.edge + k * term_.edge_width));
+  return sorted_within(term_.low_mm(), term_.high_mm(), breaks);
+}
+
+/// The knots of every cell that the term reaches, and where the lines to p cross the features of its images on S: the
+/// window's shadow blurred by the lobe, and the duals' knots seen through the edge.
+std::vector<double> AxisIntegrand::projected_breaks() const {
+  std::vector<double> breaks;
+  const AxisCells& cells = *source_.cells;
+  double low = term_.high_mm(), high = term_.low_mm();
+  for (int i = 0; i < cells.count; ++i) {
+    if (source_.nodes[i].empty()) continue;
+    const double c = cells.center(i), reach = cells.a * cells.dual.basis().half_support();
+    low = std::min(low, c - reach);
+    high = std::max(high, c + reach);
+    for (const Basis::Piece& piece : cells.dual.basis().pieces()) breaks.push_back(c + cells.a * piece.begin);
+  }
+  const double t = kSeparationMm / z_;
+  const auto add = [&](double s) {
+    if (std::abs(1 - t) > 1e-9) breaks.push_back((s - p_ * t) / (1 - t));
+  };
+  const double shadow = term_.half_mm * std::abs(1 + kSeparationMm * term_.bend_per_mm);
+  for (double k : {-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0})
+    add(term_.center_mm + kSeparationMm * term_.slope + k * (shadow / 2 + kSeparationMm * term_.sigma));
+  if (term_.edge_width != 0)
+    for (double knot : source_.knots)
+      for (double k : {-5.0, 0.0, 5.0}) add(knot + kSeparationMm * (term_.edge + k * term_.edge_width));
+  return sorted_within(low, high, breaks);
+}
 
 /// (∫ f du, ∫ u f du) over [low, high].
 Vec2 moments(const AxisIntegrand& f, const GaussRule& rule, double low, double high) {
   Vec2 sum(0, 0);
-  const double middle = (low + high) / 2, half = (high - low) / 2;
-  for (std::size_t i = 0; i < rule.x.size(); ++i) {
-    const double u = middle + half * rule.x[i], weighted = half * rule.w[i] * f(u);
-    sum += weighted * Vec2(1, u);
-  }
+  rule.panels(low, high, high - low, [&](double u, double weight) { sum += weight * f(u) * Vec2(1, u); });
   return sum;
 }
 
@@ -195,44 +194,46 @@ double term_integral(const AxisIntegrand& x, const AxisIntegrand& y, const Truth
   const double first = x_breaks.front(), last = x_breaks.back();
   if (n.x() != 0)
     for (double b : y_breaks) x_breaks.push_back(-(constant + n.y() * b) / n.x());
-  sort_within(first, last, x_breaks);
+  x_breaks = sorted_within(first, last, x_breaks);
   double sum = 0;
   for (std::size_t b = 0; b + 1 < x_breaks.size(); ++b)
-    sum += rule.integrate(x_breaks[b], x_breaks[b + 1],
-                          [&](double u) { return x(u) * clipped(y, along_y, rule, constant + n.x() * u, n.y()); });
+    rule.panels(x_breaks[b], x_breaks[b + 1], last - first, [&](double u, double weight) {
+      sum += weight * x(u) * clipped(y, along_y, rule, constant + n.x() * u, n.y());
+    });
   return sum;
 }
 
 /// E in the bands Y, R, G, B.
 using Bands = Eigen::Array4d;
 
-struct Source {
-  Lamp lamp;
-  std::optional<AxisCells> cells_x, cells_y;  ///< of the basis it is projected on
+struct TermSource {
+  Bands radiance;
+  AxisSource x, y;
 };
 
-Bands irradiance(const Source& source, const TruthPoint& at, const GaussRule& rule) {
+Bands irradiance(const std::vector<TermSource>& terms, const TruthPoint& at, const GaussRule& rule) {
   const double z = at.p_mm.z();
   Bands sum = Bands::Zero();
-  for (const LampTerm& term : source.lamp.terms) {
-    const AxisIntegrand x(term.x, source.cells_x ? &*source.cells_x : nullptr, at.p_mm.x(), z, rule);
-    const AxisIntegrand y(term.y, source.cells_y ? &*source.cells_y : nullptr, at.p_mm.y(), z, rule);
-    Bands radiance;
-    radiance << (kMonoWeights * term.radiance).sum(), term.radiance;
-    sum += radiance * term_integral(x, y, at, rule);
-  }
+  for (const TermSource& term : terms)
+    sum += term.radiance * term_integral({term.x, at.p_mm.x(), z}, {term.y, at.p_mm.y(), z}, at, rule);
   return sum / (z * z * z);
 }
 
 }  // namespace
 
 std::vector<TruthValue> truth(const WorldOptions& options, bool projected, std::span<const TruthPoint> points) {
+  if (!check(options)) return {};
   const std::optional<Lamp> lamp = make_lamp(options.lamp);
-  if (!lamp) return {};
-  Source source{*lamp, {}, {}};
-  if (projected) {
-    source.cells_x.emplace(options.basis, options.spacing_mm.x(), options.window, lamp->size_mm.x());
-    source.cells_y.emplace(options.basis, options.spacing_mm.y(), options.window, lamp->size_mm.y());
+  const auto cells = [&](int axis) {
+    const double a = options.spacing_mm[axis];
+    return AxisCells{a, cells_needed(lamp->size_mm[axis], a, options.window), Dual(options.basis, options.window)};
+  };
+  const AxisCells cells_x = cells(0), cells_y = cells(1);
+  std::vector<TermSource> terms;
+  for (const LampTerm& term : lamp->terms) {
+    Bands radiance;
+    radiance << (kMonoWeights * term.radiance).sum(), term.radiance;
+    terms.push_back({radiance, {term.x, projected ? &cells_x : nullptr}, {term.y, projected ? &cells_y : nullptr}});
   }
   std::vector<GaussRule> levels;
   for (int nodes : {6, 10, 16, 26, 42, 64}) levels.emplace_back(nodes);
@@ -240,9 +241,9 @@ std::vector<TruthValue> truth(const WorldOptions& options, bool projected, std::
   std::vector<TruthValue> values;
   for (const TruthPoint& at : points) {
     Bands value = Bands::Zero();
-    if (at.p_mm.z() > 0) value = irradiance(source, at, levels[0]);
+    if (at.p_mm.z() > 0) value = irradiance(terms, at, levels[0]);
     for (std::size_t level = 1; level < levels.size() && at.p_mm.z() > 0; ++level) {
-      const Bands finer = irradiance(source, at, levels[level]);
+      const Bands finer = irradiance(terms, at, levels[level]);
       const bool agree = (finer - value).abs().maxCoeff() <= 1e-6 * finer.abs().maxCoeff();
       value = finer;
       if (agree) break;

@@ -65,24 +65,6 @@ Bench make_bench(const WorldOptions& options, const Lamp& lamp) {
   return bench;
 }
 
-Status check(const WorldOptions& options) {
-  const auto refuse = [](const std::string& what, const std::string& remedy) {
-    return fail(what, "virtual bench", remedy);
-  };
-  if (!make_lamp(options.lamp)) return refuse("no lamp \"" + options.lamp + "\"", "use bike, headlight or led-array");
-  const std::string& format = options.pixel_format;
-  if (format != "Mono12" && format != "Mono16" && format != "BayerRG12")
-    return refuse("no pixel format \"" + format + "\"", "use Mono12, Mono16 or BayerRG12");
-  const bool spacing_fits = (options.spacing_mm.array() >= 1).all() && (options.spacing_mm.array() <= 60).all();
-  if (!spacing_fits) return refuse("cell spacing outside 1 … 60 mm", "use about 7.5 mm");
-  const int support = Basis(options.basis).overlap();
-  if (options.window < support || options.window > 12)
-    return refuse("dual window outside " + std::to_string(support) + " … 12 spacings", "use the basis' natural window");
-  if (options.width_px < 64 || options.height_px < 64 || options.width_px > 4096 || options.height_px > 4096)
-    return refuse("sensor size outside 64 … 4096 px", "use 1024 by 768");
-  return {};
-}
-
 /// A stage position in steps of 1 µm.
 using Position = std::array<std::int64_t, 2>;
 Position position_of(const Vec2& stage_mm) {
@@ -195,6 +177,24 @@ Frame World::Impl::wait(const Position& position) {
 double World::Impl::light() const {
   const double hours = std::chrono::duration<double>(Clock::now() - drift_start).count() / 3600;
   return std::max(0.0, 1 + drift_per_hour * hours);
+}
+
+Status check(const WorldOptions& options) {
+  const auto refuse = [](const std::string& what, const std::string& remedy) {
+    return fail(what, "virtual bench", remedy);
+  };
+  if (!make_lamp(options.lamp)) return refuse("no lamp \"" + options.lamp + "\"", "use bike, headlight or led-array");
+  const std::string& format = options.pixel_format;
+  if (format != "Mono12" && format != "Mono16" && format != "BayerRG12")
+    return refuse("no pixel format \"" + format + "\"", "use Mono12, Mono16 or BayerRG12");
+  const bool spacing_fits = (options.spacing_mm.array() >= 1).all() && (options.spacing_mm.array() <= 60).all();
+  if (!spacing_fits) return refuse("cell spacing outside 1 … 60 mm", "use about 7.5 mm");
+  const int support = Basis(options.basis).overlap();
+  if (options.window < support || options.window > 12)
+    return refuse("dual window outside " + std::to_string(support) + " … 12 spacings", "use the basis' natural window");
+  if (options.width_px < 64 || options.height_px < 64 || options.width_px > 4096 || options.height_px > 4096)
+    return refuse("sensor size outside 64 … 4096 px", "use 1024 by 768");
+  return {};
 }
 
 World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

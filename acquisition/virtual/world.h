@@ -13,8 +13,9 @@
 
 namespace lumifield::virtual_bench {
 
-/// What the simulated bench is made of. `noise` covers shot and read noise, dark current, hot pixels and quantisation
-/// below one DN; `optics` covers distortion, vignetting and lens blur (off: an ideal pinhole, and the bench file says so).
+/// What the simulated bench is made of. `noise` covers shot and read noise, dark current and hot pixels (off: DN are
+/// still whole numbers); `optics` covers distortion, vignetting and lens blur (off: an ideal pinhole, and the bench
+/// file says so).
 struct WorldOptions {
   std::string lamp = "bike";  ///< "bike" | "headlight" | "led-array"
   std::uint64_t seed = 1;
@@ -28,9 +29,12 @@ struct WorldOptions {
   int width_px = 1024, height_px = 768;
 };
 
-/// The simulated world: lamp, slide, screen, camera sensor. It stands behind the servers and knows nothing of protocols.
-/// The noise-free image of a stage position is computed once, in the world's own thread, as soon as the stage is sent
-/// there; an exposure only scales it, adds noise and quantises. Thread-safe.
+/// Refuses an unknown lamp or pixel format, and sizes out of range: names what, and what to use.
+Status check(const WorldOptions& options);
+
+/// The simulated world: lamp, slide, screen, camera sensor. It stands behind the servers and knows nothing of
+/// protocols. The noise-free image of a stage position is computed once, in the world's own thread, as soon as the
+/// stage is sent there; an exposure only scales it, adds noise and quantises. Thread-safe.
 class World {
  public:
   static Result<std::unique_ptr<World>> create(const WorldOptions& options);
@@ -44,8 +48,9 @@ class World {
   /// Waits until the image of this position is computed.
   void wait_ready(const Vec2& stage_mm);
 
-  /// DN of one frame, row-major, right-aligned in 16 bits. The noise is a hash of (seed, stage position in steps of 1 µm,
-  /// exposure, gain, pixel), so that a retake repeats it. At most 15 ms at 1024×768 once the position is ready.
+  /// DN of one frame, row-major, right-aligned in 16 bits. The noise is a hash of (seed, stage position in steps of 1
+  /// µm, exposure, gain, pixel), so that a retake repeats it. At most 15 ms at 1024×768 once the position is ready;
+  /// otherwise it waits for it. A region that reaches beyond the sensor reads 0 there.
   void expose(const Vec2& stage_mm, double exposure_s, double gain_db, int width_px, int height_px, int offset_x_px,
               int offset_y_px, std::span<std::uint16_t> dn);
 
@@ -65,8 +70,9 @@ struct TruthPoint {
 struct TruthValue {
   double y, r, g, b;
 };
-/// Irradiance by quadrature of the definition in double precision; refined until two levels agree to 1e-6 of the largest.
-/// `projected`: of the lamp projected on the basis (continuous in s, all cells that touch the lamp).
+/// Irradiance by quadrature of the definition in double precision; refined until two levels agree to 1e-6 of the
+/// largest. `projected`: of the lamp projected on the basis (continuous in s, the smallest grid centred on the lamp
+/// that has every cell whose dual window touches it). Nothing for options that check() refuses.
 std::vector<TruthValue> truth(const WorldOptions& options, bool projected, std::span<const TruthPoint> points);
 
 }  // namespace lumifield::virtual_bench
