@@ -6,7 +6,7 @@
 #include <tiny_obj_loader.h>
 
 #include "luminaire/file_io.h"
-#include "renderer/scene/obj_check.h"
+#include "renderer/scene/checked_text.h"
 
 namespace lumifield {
 namespace {
@@ -47,11 +47,15 @@ class LibraryReader : public tinyobj::MaterialReader {
       return false;
     }
     Result<std::ifstream> stream = open(file, max_mtl_bytes);
-    status = stream ? check_mtl(*stream, file.string()) : Status(tl::unexpected(stream.error()));
+    if (!stream) {
+      status = tl::unexpected(stream.error());
+      return false;
+    }
+    MtlText text(*stream, file.string());
+    std::istream checked(&text);
+    tinyobj::LoadMtl(ids, materials, &checked, warning, error);
+    status = text.status();
     if (!status) return false;
-    stream->clear();
-    stream->seekg(0);
-    tinyobj::LoadMtl(ids, materials, &*stream, warning, error);
     return true;
   }
 
@@ -161,26 +165,24 @@ void add_lines(const std::string& text, std::vector<std::string>& notes) {
 }  // namespace
 
 Result<Mesh> read_mesh(const fs::path& obj, const std::map<std::string, MaterialOverride>& overrides) try {
-  // Check and count before anything is kept.
+  // Load what the check lets through, cutting polygons into triangles.
   Result<std::ifstream> stream = open(obj, max_obj_bytes);
   if (!stream) return tl::unexpected(stream.error());
-  const Result<ObjCounts> counts = check_obj(*stream, obj.string(), max_triangles);
-  if (!counts) return tl::unexpected(counts.error());
-  if (counts->triangles == 0) return fail("no triangles", obj.string(), "export the mesh with faces (f lines)");
-
-  // Load, cutting polygons into triangles.
-  stream->clear();
-  stream->seekg(0);
+  ObjText text(*stream, obj.string(), max_triangles);
+  std::istream checked(&text);
   Loaded loaded;
   LibraryReader libraries(obj.parent_path());
   std::string warning, error;
-  const bool ok = tinyobj::LoadObj(&loaded.attributes, &loaded.shapes, &loaded.materials, &warning, &error, &*stream,
+  const bool ok = tinyobj::LoadObj(&loaded.attributes, &loaded.shapes, &loaded.materials, &warning, &error, &checked,
                                    &libraries, true, false);
+  if (!text.status()) return tl::unexpected(text.status().error());
+  if (stream->bad()) return fail("cannot be read to its end", obj.string(), "check the disk");
   if (!libraries.status) return tl::unexpected(libraries.status.error());
+  if (text.triangles() == 0) return fail("no triangles", obj.string(), "export the mesh with faces (f lines)");
   if (!ok || !error.empty()) return fail("tinyobjloader says: " + error, obj.string(), "export the mesh again");
 
   // Turn into one list, with what the user should know.
-  Mesh mesh = mesh_of(loaded, counts->triangles);
+  Mesh mesh = mesh_of(loaded, text.triangles());
   if (mesh.triangles() == 0) return fail("no triangle has an area", obj.string(), "export the mesh again");
   mesh.notes.insert(mesh.notes.begin(), libraries.notes.begin(), libraries.notes.end());
   add_lines(warning, mesh.notes);

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <sstream>
 
-#include "renderer/scene/obj_check.h"
+#include "renderer/scene/checked_text.h"
 
 namespace lumifield {
 namespace {
@@ -102,12 +102,12 @@ TEST_F(MeshTest, RefusesBrokenFilesWithTheLine) {
   for (const char* number : {"inf", "1e39", "-1e400", "one", "1.0x", ""})
     EXPECT_THAT(error_of(vertices + "v 0 0 " + number + "\nf 1 2 3\n"), HasSubstr("bad.obj:4:")) << number;
   EXPECT_THAT(error_of(vertices + "vn 0 0 -nan\nf 1 2 3\n"), HasSubstr("bad.obj:4:"));
-  EXPECT_THAT(error_of("f 1 2 4\n" + vertices), HasSubstr("bad.obj:1: index 4 of 3"));
-  EXPECT_THAT(error_of(vertices + "f 1//1 2//1 3//1\n"), HasSubstr("bad.obj:4: index 1 of 0"));
+  EXPECT_THAT(error_of("f 1 2 3\n" + vertices), HasSubstr("bad.obj:1: the face's corner \"1\""));
+  EXPECT_THAT(error_of(vertices + "f 1//1 2//1 3//1\n"), HasSubstr("corner \"1//1\" names nothing"));
   for (const char* face :
-       {"0 1 2", "-4 1 2", "1 2 x", "1 2 3/", "1 2 99999999999", "1/2/3/4 2 3", "1 2 3\\", "1 2 3/0"})
+       {"0 1 2", "-4 1 2", "1 2 x", "1 2 3/", "1 2 99999999999", "1/2/3/4 2 3", "1 2 3\\", "1 2 4", "1 2 3/0"})
     EXPECT_THAT(error_of(vertices + "f " + face + "\n"), HasSubstr("bad.obj:4:")) << face;
-  EXPECT_THAT(error_of(vertices + "f 1 2\n"), HasSubstr("bad.obj:4: a face of 2 corners"));
+  EXPECT_THAT(error_of(vertices + "f 1 2\n"), HasSubstr("bad.obj:4: a face of fewer than 3 corners"));
 }
 
 TEST_F(MeshTest, RefusesBrokenLibraries) {
@@ -120,12 +120,40 @@ TEST_F(MeshTest, RefusesBrokenLibraries) {
   }
 }
 
-TEST(ObjCheck, CountsTrianglesOfPolygonsAgainstTheirLimit) {
-  std::istringstream five("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 2 0\nf 1 2 3 4 5\nf 1 2 3\n");
-  EXPECT_EQ(check_obj(five, "a.obj", 4)->triangles, 4U);
-  five.clear();
-  five.seekg(0);
-  EXPECT_THAT(check_obj(five, "a.obj", 3).error().message(), HasSubstr("more than 3 triangles"));
+TEST_F(MeshTest, LinesEndInAnyWayAndBinaryIsRefused) {
+  EXPECT_EQ(error_of("v 0 0 0\rv 1 0 0\r\nv 0 1 0\n\tf\t1 2  3"), "");
+  EXPECT_THAT(error_of("v 0 0 0\r\nv 1 0 0\rv 0 one 0\n"), HasSubstr("bad.obj:3:"));
+  EXPECT_THAT(error_of(std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\n\0f 1 2 3", 34)),
+              HasSubstr("bad.obj:4: not lines of text"));
+}
+
+/// All that the loader gets to read.
+std::string handed_on(const std::string& obj, std::size_t most, Status& status) {
+  std::istringstream source(obj);
+  ObjText text(source, "a.obj", most);
+  std::string read((std::istreambuf_iterator<char>(&text)), {});
+  status = text.status();
+  return read;
+}
+
+TEST(ObjText, HandsOnPlainLines) {
+  Status status;
+  const std::string read =
+      handed_on("# words\nv +.5 1e0 -2 1 0 0\nv 1 0 0\nv 0 1 0\nvt x\np 7\nf -3/-1 2/1 3\nusemtl  a b\nusemtl\nl 4 5\n",
+                9, status);
+  EXPECT_TRUE(status);
+  EXPECT_EQ(read,
+            "v 5.00000000e-01 1.00000000e+00 -2.00000000e+00\nv 1.00000000e+00 0.00000000e+00 0.00000000e+00\n"
+            "v 0.00000000e+00 1.00000000e+00 0.00000000e+00\nvt 0 0\nf 1/1 2/1 3\nusemtl a b\n");
+}
+
+TEST(ObjText, CountsTrianglesOfPolygonsAgainstTheirLimit) {
+  const std::string four = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 2 0\nf 1 2 3 4 5\nf 1 2 3\n";
+  Status status;
+  handed_on(four, 4, status);
+  EXPECT_TRUE(status);
+  handed_on(four, 3, status);
+  EXPECT_EQ(status.error().message(), "a.obj:7: more than 3 triangles; simplify the mesh");
 }
 
 }  // namespace
