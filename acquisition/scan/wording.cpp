@@ -11,6 +11,10 @@ std::string say(double value) {
   return text.data();
 }
 
-std::string say(const Vec2& point) { return "(" + say(point.x()) + ", " + say(point.y()) + ")"; }
+std::string say(const Vec2& point) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "(%.6g, %.6g)", point.x() + 0.0, point.y() + 0.0);
+  return text.data();
+}
 
 }  // namespace lumifield
