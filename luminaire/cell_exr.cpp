@@ -16,6 +16,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "luminaire/exr_attributes.h"
+
 namespace lumifield {
 namespace {
 
@@ -79,30 +81,6 @@ Imf::FrameBuffer planes_of(CellImage& image, const std::vector<std::string>& cha
   return buffer;
 }
 
-/// Walks the header's attributes so that none claims more bytes than the file has: the library takes memory by their
-/// word.
-bool attributes_fit(std::string_view bytes) {
-  std::size_t at = 8;
-  const auto skip_text = [&] {
-    const std::size_t end = at < bytes.size() ? bytes.find('\0', at) : std::string_view::npos;
-    if (end == std::string_view::npos) return std::string_view();
-    const std::string_view text = bytes.substr(at, end - at);
-    at = end + 1;
-    return text;
-  };
-  while (!skip_text().empty()) {
-    const std::string_view type = skip_text();
-    if (type.empty() || type == "idmanifest" || at + 4 > bytes.size()) return false;
-    std::uint32_t size = 0;
-    for (std::size_t k = 0; k < 4; ++k)
-      size |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[at + k])) << 8 * k;
-    at += 4;
-    if (size > bytes.size() - at) return false;
-    at += size;
-  }
-  return at <= bytes.size();
-}
-
 Status check_windows(const Imf::Header& header, const Measurement& m, std::string_view where) {
   const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
   const auto side = [](int low, int high) { return static_cast<long long>(high) - low + 1; };
@@ -120,8 +98,9 @@ Status check_windows(const Imf::Header& header, const Measurement& m, std::strin
     return fail("has its data window too far from the origin", std::string(where), "let it begin at (0, 0)");
   if (header.hasTileDescription()) {
     const Imf::TileDescription& tiles = header.tileDescription();
-    if (static_cast<double>(tiles.xSize) * tiles.ySize > 4'194'304)
-      return fail("has tiles of more than 4194304 pixels", std::string(where), "write scanlines");
+    constexpr unsigned int largest = 1024;
+    if (tiles.xSize > largest || tiles.ySize > largest)
+      return fail("has tiles of more than 1024 pixels a side", std::string(where), "write scanlines");
   }
   return {};
 }
@@ -240,7 +219,8 @@ Result<std::string> encode_cell_exr(const CellImage& image, const LuminaireGeome
 Result<CellExr> decode_cell_exr(std::string_view bytes, const LuminaireGeometry& geometry, std::string_view where) {
   constexpr std::string_view magic = "\x76\x2f\x31\x01";
   if (bytes.size() < 8 || bytes.substr(0, 4) != magic) return fail("is no OpenEXR file", std::string(where), damaged);
-  if (!attributes_fit(bytes)) return fail("ends within its header, or has a damaged one", std::string(where), damaged);
+  if (!exr_attributes_fit(bytes))
+    return fail("ends within its header, or has a damaged one", std::string(where), damaged);
   try {
     Result<CellExr> cell = decode(bytes, geometry, where);
     if (!cell) return cell;

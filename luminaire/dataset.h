@@ -97,7 +97,7 @@ class DatasetWriter {
  private:
   DatasetWriter(std::filesystem::path folder, Manifest manifest)
       : folder_(std::move(folder)), manifest_(std::move(manifest)) {}
-  Status lock();
+  Status lock(const std::filesystem::path& folder);
   Status open_journal();
   std::string next_file(CellIndex cell, int& generation) const;
   void take(const CellEntry& entry);

@@ -96,11 +96,11 @@ Status check_image(const CellImage& image, const LuminaireGeometry& g, const std
 
 }  // namespace
 
-Status DatasetWriter::lock() {
-  lock_ = FileHandle(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!lock_) return system_failure("could not be opened", folder_, errno);
+Status DatasetWriter::lock(const fs::path& folder) {
+  lock_ = FileHandle(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!lock_) return system_failure("could not be opened", folder, errno);
   if (::flock(lock_.get(), LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return {};
-  return fail("is being written by another program", folder_.string(), "wait until that scan has ended");
+  return fail("is being written by another program", folder.string(), "wait until that scan has ended");
 }
 
 Result<DatasetWriter> DatasetWriter::create(const fs::path& given, Manifest manifest) {
@@ -113,8 +113,8 @@ Result<DatasetWriter> DatasetWriter::create(const fs::path& given, Manifest mani
   remove_unfinished(unfinished);
   DatasetWriter writer(folder, std::move(manifest));
   Status done = fill_folder(unfinished, writer.manifest_);
+  if (done) done = writer.lock(unfinished);
   if (done) done = rename_folder(unfinished, folder);
-  if (done) done = writer.lock();
   if (done) return writer;
   remove_unfinished(unfinished);
   return fail_in("new dataset", done.error());
@@ -122,7 +122,7 @@ Result<DatasetWriter> DatasetWriter::create(const fs::path& given, Manifest mani
 
 Result<DatasetWriter> DatasetWriter::resume(const fs::path& given, const LuminaireGeometry& expected) {
   DatasetWriter writer(without_slash(given), {});
-  if (Status ok = writer.lock(); !ok) return tl::unexpected(ok.error());
+  if (Status ok = writer.lock(writer.folder_); !ok) return tl::unexpected(ok.error());
   Result<DatasetFolder> dataset = read_dataset_folder(writer.folder_);
   if (!dataset) return tl::unexpected(dataset.error());
   if (const auto difference = first_difference(dataset->manifest.geometry, expected))

@@ -15,12 +15,15 @@
 
 namespace lumifield::support {
 
-/// A folder of its own for each test, removed afterwards.
+/// A folder of its own for each test, removed afterwards; in memory where that is possible, since these tests flush
+/// often.
 class TemporaryFolder : public testing::Test {
  protected:
   ~TemporaryFolder() override { std::filesystem::remove_all(folder_); }
   std::filesystem::path folder_ = [] {
-    std::string name = (std::filesystem::path(testing::TempDir()) / "lumifield.XXXXXX").string();
+    const bool in_memory = ::access("/dev/shm", W_OK) == 0;
+    const std::filesystem::path parent = in_memory ? "/dev/shm" : testing::TempDir();
+    std::string name = (parent / "lumifield.XXXXXX").string();
     return std::filesystem::path(::mkdtemp(name.data()));
   }();
 };
