@@ -61,7 +61,7 @@ Status GrblDialogue::wake() {
       // A former owner may have left it moving.
       if (const auto status = parse_grbl_status(*line)) return is_moving(*status) ? stop_and_reset() : reset();
       if (is_grbl_banner(*line)) return reset();
-      if (!is_known_chatter(*line)) unreadable_line_ = *line;
+      if (Status noted = note(*line); !noted && unreadable_lines_ >= unreadable_limit) return noted;
     }
   }
   return silent("3 s");

@@ -1,0 +1,169 @@
+#include "acquisition/cameras/aravis_settings.h"
+
+#include <algorithm>
+#include <arv.h>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+namespace lumifield {
+namespace {
+
+constexpr int longest_side_px = 1 << 16;
+constexpr double us_per_s = 1e6;
+constexpr double gain_tolerance_db = 0.05;
+
+struct GFree {
+  void operator()(gpointer memory) const { g_free(memory); }
+};
+
+struct Applying {
+  ArvCamera* camera;
+  const CameraSettings& settings;
+  AppliedSettings applied;
+
+  Status pixel_format();
+  Status full_region();
+  Status gain();
+  Status trigger();
+  Status packet_size();
+
+  tl::unexpected<Error> error(std::string what, std::string remedy) const {
+    return fail(std::move(what), "camera " + settings.address, std::move(remedy));
+  }
+};
+
+Status Applying::pixel_format() {
+  const std::string& wanted = settings.pixel_format;
+  GFault fault;
+  guint count = 0;
+  const std::unique_ptr<const char*, GFree> names(
+      arv_camera_dup_available_pixel_formats_as_strings(camera, &count, fault.out()));
+  std::string usable;
+  bool is_offered = false;
+  for (guint i = 0; names && i < count; ++i) {
+    if (!pixel_layout(names.get()[i])) continue;
+    usable.append(usable.empty() ? "" : ", ").append(names.get()[i]);
+    is_offered |= wanted == names.get()[i];
+  }
+  if (fault) return refused(settings, "a question for its pixel formats", fault);
+  if (!is_offered) return error("does not offer the pixel format \"" + wanted + "\"", "choose one of " + usable);
+
+  arv_camera_set_pixel_format_from_string(camera, wanted.c_str(), fault.out());
+  const std::string taken = text_or_empty(arv_camera_get_pixel_format_as_string(camera, fault.out()));
+  applied.format = arv_camera_get_pixel_format(camera, fault.out());
+  if (fault) return refused(settings, "the pixel format " + wanted, fault);
+  if (taken != wanted) return error("took the pixel format " + taken + " for " + wanted, "choose one of " + usable);
+  applied.layout = *pixel_layout(wanted);
+  return {};
+}
+
+Status Applying::full_region() {
+  GFault fault;
+  if (arv_camera_is_region_offset_available(camera, fault.out())) {
+    arv_camera_set_integer(camera, "OffsetX", 0, fault.out());
+    arv_camera_set_integer(camera, "OffsetY", 0, fault.out());
+  }
+  gint smallest, width = 0, height = 0, x = 0, y = 0;
+  arv_camera_get_width_bounds(camera, &smallest, &width, fault.out());
+  arv_camera_get_height_bounds(camera, &smallest, &height, fault.out());
+  arv_camera_set_region(camera, 0, 0, width, height, fault.out());
+  arv_camera_get_region(camera, &x, &y, &applied.width_px, &applied.height_px, fault.out());
+  if (fault) return refused(settings, "its full region", fault);
+  if (x != 0 || y != 0 || applied.width_px != width || applied.height_px != height || width <= 0 || height <= 0 ||
+      width > longest_side_px || height > longest_side_px)
+    return error("took the region " + std::to_string(applied.width_px) + "x" + std::to_string(applied.height_px) +
+                     " for " + std::to_string(width) + "x" + std::to_string(height),
+                 "set binning and region back in the camera");
+  return {};
+}
+
+Status Applying::gain() {
+  GFault fault;
+  if (arv_camera_is_gain_auto_available(camera, fault.out()))
+    arv_camera_set_gain_auto(camera, ARV_AUTO_OFF, fault.out());
+  if (!arv_camera_is_gain_available(camera, fault.out())) {
+    if (settings.gain == 0) return {};
+    return error("has no gain to set", "set \"gain\": 0 in the bench file");
+  }
+  double low = 0, high = 0;
+  arv_camera_get_gain_bounds(camera, &low, &high, fault.out());
+  if (fault) return refused(settings, "a question for its gain", fault);
+  if (!(settings.gain >= low && settings.gain <= high))
+    return error("a gain of " + number(settings.gain) + " dB is out of its range",
+                 "choose one from " + number(low) + " to " + number(high) + " dB");
+  arv_camera_set_gain(camera, settings.gain, fault.out());
+  applied.gain_db = arv_camera_get_gain(camera, fault.out());
+  if (fault) return refused(settings, "a gain of " + number(settings.gain) + " dB", fault);
+  if (std::abs(applied.gain_db - settings.gain) > gain_tolerance_db)
+    return error("took a gain of " + number(applied.gain_db) + " dB for " + number(settings.gain) + " dB",
+                 "write the gain that it took into the bench file");
+  return {};
+}
+
+Status Applying::trigger() {
+  GFault fault;
+  if (arv_camera_is_exposure_auto_available(camera, fault.out()))
+    arv_camera_set_exposure_time_auto(camera, ARV_AUTO_OFF, fault.out());
+  if (arv_camera_is_feature_available(camera, "AcquisitionFrameRateEnable", fault.out()))
+    arv_camera_set_boolean(camera, "AcquisitionFrameRateEnable", FALSE, fault.out());  // it would bound the exposure
+  arv_camera_set_acquisition_mode(camera, ARV_ACQUISITION_MODE_CONTINUOUS, fault.out());
+  arv_camera_set_trigger(camera, "Software", fault.out());
+  const std::string source = text_or_empty(arv_camera_get_trigger_source(camera, fault.out()));
+  double shortest_us = 0, longest_us = 0;
+  arv_camera_get_exposure_time_bounds(camera, &shortest_us, &longest_us, fault.out());
+  if (fault) return refused(settings, "a software trigger", fault);
+  if (source != "Software") return error("took the trigger " + source + " for Software", "use another camera");
+  applied.shortest_s = shortest_us / us_per_s;
+  applied.longest_s = longest_us / us_per_s;
+  return {};
+}
+
+Status Applying::packet_size() {
+  GFault fault;
+  gint64 low = 0, high = 0;
+  arv_camera_get_integer_bounds(camera, "GevSCPSPacketSize", &low, &high, fault.out());
+  const gint64 step = std::max<gint64>(1, arv_camera_get_integer_increment(camera, "GevSCPSPacketSize", fault.out()));
+  if (fault) return refused(settings, "a question for its packet size", fault);
+  if (settings.packet_bytes < low)
+    return error("a packet of " + std::to_string(settings.packet_bytes) + " bytes is too small",
+                 "set packet_bytes to " + std::to_string(low) + " or more");
+  const gint64 wanted = low + (std::min<gint64>(settings.packet_bytes, high) - low) / step * step;
+  arv_camera_gv_set_packet_size(camera, static_cast<gint>(wanted), fault.out());
+  if (fault) return refused(settings, "packets of " + std::to_string(wanted) + " bytes", fault);
+
+  // Creating the stream sends a test packet where the camera can, and finds the largest that passes if this one does
+  // not.
+  arv_camera_gv_set_packet_size_adjustment(camera, ARV_GV_PACKET_SIZE_ADJUSTMENT_ON_FAILURE);
+  return {};
+}
+
+}  // namespace
+
+GFault::~GFault() { g_clear_error(&error_); }
+
+std::string GFault::text() const { return error_ == nullptr ? "" : error_->message; }
+
+Result<AppliedSettings> apply_settings(ArvCamera* camera, const CameraSettings& settings) {
+  Applying applying{camera, settings, {}};
+  using Step = Status (Applying::*)();
+  for (const Step step :
+       {&Applying::pixel_format, &Applying::full_region, &Applying::gain, &Applying::trigger, &Applying::packet_size})
+    if (Status done = (applying.*step)(); !done) return tl::unexpected(done.error());
+  return applying.applied;
+}
+
+tl::unexpected<Error> refused(const CameraSettings& settings, const std::string& what, const GFault& fault) {
+  return fail("does not take " + what + " (" + fault.text() + ")", "camera " + settings.address,
+              "check the bench file and the camera's manual");
+}
+
+std::string text_or_empty(const char* text) { return text == nullptr ? "" : text; }
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+}  // namespace lumifield

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "acquisition/cameras/pixel_layout.h"
+#include "luminaire/bench.h"
+#include "luminaire/error.h"
+
+typedef struct _ArvCamera ArvCamera;
+typedef struct _GError GError;
+
+namespace lumifield {
+
+/// The GError of the calls that it is handed to; the first one stays. Thread-bound.
+class GFault {
+ public:
+  GFault() = default;
+  ~GFault();
+  GFault(const GFault&) = delete;
+  GFault& operator=(const GFault&) = delete;
+
+  GError** out() { return error_ == nullptr ? &error_ : nullptr; }
+  explicit operator bool() const { return error_ != nullptr; }
+  std::string text() const;
+
+ private:
+  GError* error_ = nullptr;
+};
+
+/// What a camera took, read back from it. Value type.
+struct AppliedSettings {
+  PixelLayout layout;
+  std::uint32_t format = 0;  ///< PFNC code of the pixel format
+  int width_px = 0, height_px = 0;
+  double gain_db = 0;
+  double shortest_s = 0, longest_s = 0;  ///< exposure range
+};
+
+/// Sets pixel format, full region, gain, automatics off, software trigger and packet size, and reads them back.
+/// Errors: a value that the camera does not offer, with those it does; one that it took otherwise.
+Result<AppliedSettings> apply_settings(ArvCamera* camera, const CameraSettings& settings);
+
+/// "camera does not take WHAT (its own words)".
+tl::unexpected<Error> refused(const CameraSettings& settings, const std::string& what, const GFault& fault);
+
+std::string text_or_empty(const char* text);
+/// Six digits.
+std::string number(double value);
+
+}  // namespace lumifield
