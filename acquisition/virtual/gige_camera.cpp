@@ -1,0 +1,260 @@
+#include "acquisition/virtual/gige_camera.h"
+
+#include <algorithm>
+#include <arpa/inet.h>
+#include <arv.h>
+#include <atomic>
+#include <bit>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <cstring>
+#include <fstream>
+#include <mutex>
+#include <optional>
+#include <sys/socket.h>
+#include <thread>
+#include <unistd.h>
+
+namespace lumifield::virtual_bench {
+
+extern const char* const virtual_camera_xml;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+// Registers of resources/virtual-camera.xml, and those of GigE Vision's bootstrap area.
+constexpr guint32 kTriggerMode = 0x2000, kTriggerSource = 0x2004, kTriggerSoftware = 0x2008;
+constexpr guint32 kExposureTime = 0x2010, kGain = 0x2018, kSensorFormat = 0x2020;
+constexpr guint32 kVendor = 0x48, kModel = 0x68, kNameBytes = 32, kSerialBytes = 16, kStreamPacketSize = 0xd04;
+constexpr guint16 kGvcpPort = 3956;
+constexpr double kExposureMin_us = 10, kExposureMax_us = 1e7;
+
+std::optional<ArvPixelFormat> format_code(const std::string& name) {
+  if (name == "Mono12") return ARV_PIXEL_FORMAT_MONO_12;
+  if (name == "Mono16") return ARV_PIXEL_FORMAT_MONO_16;
+  if (name == "BayerRG12") return ARV_PIXEL_FORMAT_BAYER_RG_12;
+  return std::nullopt;
+}
+
+// The simulator says that it runs when its port is taken: this asks the kernel first.
+Status check_address(const std::string& address) {
+  sockaddr_in name{};
+  name.sin_family = AF_INET;
+  name.sin_port = htons(kGvcpPort);
+  if (inet_pton(AF_INET, address.c_str(), &name.sin_addr) != 1)
+    return fail("not an IPv4 address", address, "give one such as 127.0.0.1");
+  const int probe = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (probe < 0) return fail(std::string("no socket: ") + std::strerror(errno), address);
+  const int failed = bind(probe, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0 ? 0 : errno;
+  close(probe);
+  if (failed == EADDRINUSE)
+    return fail("another virtual bench, or another GigE Vision program, holds UDP port 3956", address,
+                "end it, or give another --address");
+  if (failed == EADDRNOTAVAIL)
+    return fail("no network interface of this machine has the address", address, "give one that `ip addr` lists");
+  if (failed != 0) return fail(std::string("UDP port 3956: ") + std::strerror(failed), address);
+  return {};
+}
+
+// The simulator reads its description from a file, once, while it starts.
+class DescriptionFile {
+ public:
+  DescriptionFile() {
+    std::string path = (std::filesystem::temp_directory_path() / "lumifield-camera-XXXXXX").string();
+    const int file = mkstemp(path.data());
+    if (file < 0) return;
+    path_ = path;
+    written_ =
+        write(file, virtual_camera_xml, std::strlen(virtual_camera_xml)) == ssize_t(std::strlen(virtual_camera_xml));
+    close(file);
+  }
+  ~DescriptionFile() {
+    if (!path_.empty()) unlink(path_.c_str());
+  }
+  DescriptionFile(const DescriptionFile&) = delete;
+  DescriptionFile& operator=(const DescriptionFile&) = delete;
+  bool written() const { return written_; }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  bool written_ = false;
+};
+
+}  // namespace
+
+struct GigeCamera::Impl {
+  GigeCameraOptions options;
+  Sight sight;
+  ArvGvFakeCamera* server = nullptr;
+  ArvFakeCamera* camera = nullptr;
+  std::atomic<bool> frozen = false;
+  std::atomic<std::uint64_t> sent = 0;
+
+  std::mutex mutex;
+  std::condition_variable read_out;
+  Exposure latched;      // guarded by mutex
+  bool pending = false;  // guarded by mutex: released, not yet read out
+  std::jthread exposure_thread;
+
+  ~Impl() {
+    if (exposure_thread.joinable()) {
+      exposure_thread.request_stop();
+      exposure_thread.join();
+    }
+    if (server != nullptr) g_object_unref(server);
+  }
+
+  guint32 get(guint32 address) const {
+    guint32 value = 0;
+    arv_fake_camera_read_register(camera, address, &value);
+    return value;
+  }
+  void set(guint32 address, guint32 value) { arv_fake_camera_write_register(camera, address, value); }
+
+  double get_double(guint32 address) const {
+    guint64 bytes = 0;
+    arv_fake_camera_read_memory(camera, address, sizeof bytes, &bytes);
+    return std::bit_cast<double>(GUINT64_FROM_BE(bytes));
+  }
+  void set_double(guint32 address, double value) {
+    const guint64 bytes = GUINT64_TO_BE(std::bit_cast<guint64>(value));
+    arv_fake_camera_write_memory(camera, address, sizeof bytes, &bytes);
+  }
+  void set_text(guint32 address, guint32 size, const std::string& text) {
+    std::string field(size, '\0');
+    text.copy(field.data(), size - 1);
+    arv_fake_camera_write_memory(camera, address, size, field.data());
+  }
+
+  bool acquiring() const {
+    return arv_fake_camera_get_acquisition_status(camera) != 0 &&
+           arv_fake_camera_get_control_channel_privilege(camera) != 0;
+  }
+
+  void set_registers() {
+    set_text(kVendor, kNameBytes, "Lumifield");
+    set_text(kModel, kNameBytes, "Virtual");
+    const guint32 format = *format_code(options.pixel_format);
+    set(ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, guint32(options.width_px));
+    set(ARV_FAKE_CAMERA_REGISTER_SENSOR_HEIGHT, guint32(options.height_px));
+    set(ARV_FAKE_CAMERA_REGISTER_WIDTH, guint32(options.width_px));
+    set(ARV_FAKE_CAMERA_REGISTER_HEIGHT, guint32(options.height_px));
+    set(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT, format);
+    set(kSensorFormat, format);
+    set(kTriggerMode, 0);
+    set(kTriggerSource, 1);
+    set_double(kExposureTime, 10000);
+    set_double(kGain, 0);
+    set(kStreamPacketSize, 8192);
+
+    // The simulator itself is always triggered, and only by the exposure thread.
+    set(ARV_FAKE_CAMERA_REGISTER_TRIGGER_MODE, 1);
+    set(ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOURCE, 1);
+    arv_fake_camera_set_trigger_frequency(camera, 1000);
+  }
+
+  // Server thread: the simulator wants pixels.
+  static void fill(ArvBuffer* buffer, void* self, guint32, guint32, ArvPixelFormat) {
+    static_cast<Impl*>(self)->fill(buffer);
+  }
+  void fill(ArvBuffer* buffer) {
+    Exposure exposure;
+    {
+      const std::lock_guard lock(mutex);
+      exposure = latched;
+    }
+    exposure.width_px = arv_buffer_get_image_width(buffer);
+    exposure.height_px = arv_buffer_get_image_height(buffer);
+    exposure.offset_x_px = int(get(ARV_FAKE_CAMERA_REGISTER_X_OFFSET));
+    exposure.offset_y_px = int(get(ARV_FAKE_CAMERA_REGISTER_Y_OFFSET));
+    std::size_t bytes = 0;
+    auto* dn = static_cast<std::uint16_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &bytes)));
+    if (fits(exposure))
+      sight.expose(exposure, std::span(dn, std::size_t(exposure.width_px) * std::size_t(exposure.height_px)));
+    ++sent;
+    const std::lock_guard lock(mutex);
+    pending = false;
+    read_out.notify_all();
+  }
+  bool fits(const Exposure& e) const {
+    return e.width_px > 0 && e.height_px > 0 && e.offset_x_px >= 0 && e.offset_y_px >= 0 &&
+           e.width_px <= options.width_px - e.offset_x_px && e.height_px <= options.height_px - e.offset_y_px;
+  }
+
+  // Exposure thread.
+  void watch(std::stop_token stop) {
+    while (!stop.stop_requested()) {
+      std::this_thread::sleep_for(std::chrono::microseconds(500));
+      const bool triggered = get(kTriggerMode) == 0 || get(kTriggerSoftware) != 0;
+      if (!triggered) continue;
+      set(kTriggerSoftware, 0);
+      if (acquiring() && !frozen) expose(stop);
+    }
+  }
+
+  void expose(std::stop_token stop) {
+    const double exposure_us = get_double(kExposureTime);
+    if (!(exposure_us >= kExposureMin_us && exposure_us <= kExposureMax_us)) return;
+    const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                        std::chrono::duration<double, std::micro>(exposure_us));
+    const Exposure exposure{
+        .stage_mm = sight.stage_mm(), .exposure_s = exposure_us * 1e-6, .gain_db = get_double(kGain)};
+    sight.wait_ready(exposure.stage_mm);
+    while (Clock::now() < end) {
+      if (stop.stop_requested() || !acquiring()) return;
+      std::this_thread::sleep_until(std::min(end, Clock::now() + milliseconds(10)));
+    }
+    release(exposure, stop);
+  }
+
+  void release(const Exposure& exposure, std::stop_token stop) {
+    std::unique_lock lock(mutex);
+    latched = exposure;
+    pending = true;
+    set(kTriggerSoftware, 0);
+    set(ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOFTWARE, 1);
+    while (pending && acquiring() && !stop.stop_requested()) read_out.wait_for(lock, milliseconds(10));
+    if (pending) set(ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOFTWARE, 0);
+    pending = false;
+  }
+};
+
+Result<std::unique_ptr<GigeCamera>> GigeCamera::start(const GigeCameraOptions& options, Sight sight) {
+  if (!format_code(options.pixel_format))
+    return fail("pixel format unknown", options.pixel_format, "give Mono12, Mono16 or BayerRG12");
+  if (options.serial.empty() || options.serial.size() >= kSerialBytes)
+    return fail("the serial number must have 1 to 15 characters", options.serial);
+  if (auto free = check_address(options.address); !free) return tl::unexpected(free.error());
+  const DescriptionFile description;
+  if (!description.written())
+    return fail("the camera's description cannot be written", std::filesystem::temp_directory_path().string(),
+                "check TMPDIR and the space there");
+
+  auto impl = std::make_unique<Impl>();
+  impl->options = options;
+  impl->sight = std::move(sight);
+  impl->server = ARV_GV_FAKE_CAMERA(g_object_new(
+      ARV_TYPE_GV_FAKE_CAMERA, "interface-name", options.address.c_str(), "serial-number", options.serial.c_str(),
+      "genicam-filename", description.path().c_str(), "gvsp-lost-ratio", options.lost_packet_ratio, nullptr));
+  if (!arv_gv_fake_camera_is_running(impl->server))
+    return fail("no network interface of this machine has the address", options.address,
+                "give one that `ip addr` lists, or add it: ip addr add " + options.address + "/8 dev lo");
+  impl->camera = arv_gv_fake_camera_get_fake_camera(impl->server);
+  impl->set_registers();
+  arv_fake_camera_set_fill_pattern(impl->camera, &Impl::fill, impl.get());
+  impl->exposure_thread = std::jthread([self = impl.get()](std::stop_token stop) { self->watch(stop); });
+  return std::unique_ptr<GigeCamera>(new GigeCamera(std::move(impl)));
+}
+
+GigeCamera::GigeCamera(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+GigeCamera::~GigeCamera() = default;
+
+void GigeCamera::freeze(bool frozen) { impl_->frozen = frozen; }
+std::uint64_t GigeCamera::frames_sent() const { return impl_->sent; }
+
+}  // namespace lumifield::virtual_bench

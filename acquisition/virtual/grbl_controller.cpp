@@ -1,0 +1,380 @@
+#include "acquisition/virtual/grbl_controller.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fcntl.h>
+#include <mutex>
+#include <poll.h>
+#include <pty.h>
+#include <termios.h>
+#include <thread>
+#include <unistd.h>
+
+#include "acquisition/virtual/axes.h"
+#include "acquisition/virtual/gcode.h"
+#include "acquisition/virtual/grbl_settings.h"
+
+namespace lumifield::virtual_bench {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr char kReset = 0x18;
+constexpr std::size_t kReceiveBytes = 127, kLineBytes = 80;
+constexpr int kReportsBetweenOffsets = 10;
+
+enum class Mode { idle, home, alarm, dead };  // dead: until reset, after ALARM:1 and ALARM:2
+
+}  // namespace
+
+struct GrblController::Impl {
+  GrblOptions options;
+  std::function<void(const Vec2&)> prepare;
+  int master = -1, slave = -1;
+  bool linked = false;
+
+  mutable std::mutex mutex;  // guards all below
+  mutable Axes axes;
+  mutable Clock::time_point advanced = Clock::now();
+  GrblSettings settings;
+  Gcode gcode;
+  Mode mode = Mode::alarm;
+  std::string received;           // not yet taken by the line reader
+  std::string line;               // the one being read
+  bool overflowed = false;        // that line was longer than GRBL takes
+  bool answer_when_idle = false;  // the line under way is answered when the motion has ended
+  bool answer_on_reset = false;
+  bool silent = false;
+  int reports = 0;
+
+  std::jthread thread;
+
+  explicit Impl(const GrblOptions& o)
+      : options(o), axes(o.power_up_mm), settings(o.travel_mm, o.rapid_mm_s, o.acceleration_mm_s2) {}
+  ~Impl() {
+    if (thread.joinable()) {
+      thread.request_stop();
+      thread.join();
+    }
+    if (linked) unlink(options.path.c_str());
+    if (master >= 0) close(master);
+    if (slave >= 0) close(slave);
+  }
+
+  Status open() {
+    const std::string path = options.path.string();
+    if (openpty(&master, &slave, nullptr, nullptr, nullptr) != 0)
+      return fail(std::string("no pseudo-terminal: ") + std::strerror(errno), path, "mount /dev/pts");
+    termios raw{};
+    tcgetattr(slave, &raw);
+    cfmakeraw(&raw);
+    tcsetattr(slave, TCSANOW, &raw);
+    fcntl(master, F_SETFL, O_NONBLOCK);
+    fcntl(master, F_SETFD, FD_CLOEXEC);
+    fcntl(slave, F_SETFD, FD_CLOEXEC);
+    char name[64];
+    if (ttyname_r(slave, name, sizeof name) != 0)
+      return fail("the pseudo-terminal has no name", path, "mount /dev/pts");
+    if (symlink(name, path.c_str()) != 0)
+      return fail(std::string("the link to the terminal cannot be made: ") + std::strerror(errno), path,
+                  "give another --serial-path, or remove what is there");
+    linked = true;
+    return {};
+  }
+
+  // ---- The line to the host
+
+  void send(const std::string& text) {
+    // Like a serial line without flow control: what the host does not take is lost.
+    if (!silent && write(master, text.data(), text.size()) < 0 && errno != EAGAIN) silent = true;
+  }
+  void send_line(const std::string& text) { send(text + "\r\n"); }
+  void answer(GrblError error) { send_line(error == GrblError::none ? "ok" : "error:" + std::to_string(int(error))); }
+  void welcome() {
+    send("\r\nGrbl 1.1h ['$' for help]\r\n");
+    if (mode == Mode::alarm) send_line("[MSG:'$H'|'$X' to unlock]");
+  }
+
+  void run(std::stop_token stop) {
+    {
+      const std::lock_guard lock(mutex);
+      welcome();
+    }
+    while (!stop.stop_requested()) {
+      pollfd host{master, POLLIN, 0};
+      poll(&host, 1, moving() ? 1 : 10);
+      char bytes[256];
+      const ssize_t count = (host.revents & POLLIN) != 0 ? read(master, bytes, sizeof bytes) : 0;
+      const std::lock_guard lock(mutex);
+      advance();
+      for (ssize_t i = 0; i < count; ++i) take(bytes[i]);
+      read_lines();
+    }
+  }
+  bool moving() const {
+    const std::lock_guard lock(mutex);
+    return !axes.empty();
+  }
+
+  // ---- Real-time commands act on receipt; all else waits for the line reader
+
+  void take(char byte) {
+    if (byte == kReset) return reset();
+    if (byte == '?') return report();
+    if (byte == '!') return mode == Mode::idle ? axes.hold() : void();
+    if (byte == '~') return mode == Mode::idle ? axes.resume() : void();
+    if (static_cast<unsigned char>(byte) >= 0x80) return;  // overrides, jog cancel
+    if (received.size() < kReceiveBytes) received += byte;
+  }
+
+  void reset() {
+    const bool position_lost = !axes.empty() && !axes.held();
+    if (mode == Mode::home) {
+      alarm(6, Mode::alarm);
+    } else if (position_lost && mode != Mode::dead) {
+      alarm(3, Mode::alarm);
+    }
+    if (mode == Mode::dead) mode = Mode::alarm;
+    axes.kill();
+    gcode.reset();
+    if (answer_on_reset) answer(GrblError::none);
+    answer_on_reset = answer_when_idle = overflowed = false;
+    received.clear();
+    line.clear();
+    welcome();
+  }
+
+  void alarm(int number, Mode next) {
+    axes.kill();
+    mode = next;
+    answer_when_idle = false;
+    send_line("ALARM:" + std::to_string(number));
+    if (next == Mode::dead) send_line("[MSG:Reset to continue]");
+  }
+
+  std::string state_name() const {
+    switch (mode) {
+      case Mode::home:
+        return "Home";
+      case Mode::alarm:
+      case Mode::dead:
+        return "Alarm";
+      case Mode::idle:
+        break;
+    }
+    if (axes.held()) return "Hold:0";
+    if (axes.stopping()) return "Hold:1";
+    return axes.empty() ? "Idle" : "Run";
+  }
+
+  void report() {
+    const double unit = settings.on(13) ? 1 / 25.4 : 1;
+    const bool machine = (int(settings[10]) & 1) != 0;
+    const Vec2 offset = gcode.work_offset_mm();
+    const Vec2 shown = (machine ? axes.claimed_mm() : Vec2(axes.claimed_mm() - offset)) * unit;
+    char text[200];
+    int size = std::snprintf(text, sizeof text, "<%s|%s:%.3f,%.3f,0.000", state_name().c_str(),
+                             machine ? "MPos" : "WPos", shown.x(), shown.y());
+    const auto add = [&](auto... values) {
+      size += std::snprintf(text + size, sizeof text - std::size_t(size), values...);
+    };
+    if ((int(settings[10]) & 2) != 0) add("|Bf:%d,%d", axes.free_slots(), int(kReceiveBytes + 1 - received.size()));
+    add("|FS:%.0f,0", axes.speed_mm_s() * 60 * unit);
+    const Vec2 at = axes.true_mm();
+    const bool x = at.x() <= low() || at.x() >= high().x(), y = at.y() <= low() || at.y() >= high().y();
+    if (x || y) add("|Pn:%s%s", x ? "X" : "", y ? "Y" : "");
+    if (reports % kReportsBetweenOffsets == 0) add("|WCO:%.3f,%.3f,0.000", offset.x() * unit, offset.y() * unit);
+    if (reports++ % kReportsBetweenOffsets == 1) add("|Ov:100,100,100");
+    send_line(std::string(text) + ">");
+  }
+
+  // ---- The machine
+
+  // Where the switches close, on the true scale.
+  double low() const { return -settings[27]; }
+  Vec2 high() const { return options.travel_mm + Vec2::Constant(settings[27]); }
+
+  void advance() const {
+    const auto now = Clock::now();
+    axes.advance(std::chrono::duration<double>(now - advanced).count());
+    advanced = now;
+  }
+
+  void after_motion() {
+    const Vec2 at = axes.true_mm();
+    const Vec2 inside = at.cwiseMax(Vec2::Constant(low())).cwiseMin(high());
+    if (mode != Mode::home && inside != at) {
+      axes.blocked_at(inside);
+      if (settings.on(21)) alarm(1, Mode::dead);
+    }
+    if (!answer_when_idle || !axes.empty()) return;
+    if (mode == Mode::home) {
+      axes.reference(Vec2::Zero());
+      mode = Mode::idle;
+    }
+    answer_when_idle = false;
+    answer(GrblError::none);
+  }
+
+  void home() {
+    // Seek both switches, pull off, find them again slowly, pull off.
+    mode = Mode::home;
+    const Vec2 at = axes.claimed_mm();
+    const Vec2 at_switch = at + Vec2::Constant(low()) - axes.true_mm();
+    const Vec2 pulled_off = at_switch + Vec2::Constant(settings[27]);
+    push_line(at, at_switch, settings[25]);
+    push_line(at_switch, pulled_off, settings[25]);
+    push_line(pulled_off, at_switch, settings[24]);
+    push_line(at_switch, pulled_off, settings[25]);
+    answer_when_idle = true;
+  }
+
+  void push_line(const Vec2& from, const Vec2& to, double feed_mm_min, double dwell_s = 0) {
+    const Vec2 way = (to - from).norm() > 0 ? Vec2((to - from).normalized()) : Vec2(1, 0);
+    const double rapid = limited_along(way, settings.axes(110)) / 60;
+    axes.push({from, to, std::min(rapid, feed_mm_min / 60), limited_along(way, settings.axes(120)), dwell_s});
+  }
+
+  // ---- Lines
+
+  // A line is taken when the machine can act on it: not while homing, dwelling, held or dead, nor with a full planner.
+  bool ready() const {
+    return !answer_when_idle && !axes.held() && !axes.stopping() && mode != Mode::dead && !axes.full();
+  }
+
+  void read_lines() {
+    after_motion();
+    std::size_t used = 0;
+    while (used < received.size() && ready()) {
+      const char byte = received[used++];
+      if (byte == '\n' || byte == '\r') {
+        const std::string taken = std::exchange(line, {});
+        if (std::exchange(overflowed, false))
+          answer(GrblError::line_too_long);
+        else
+          execute(taken);
+      } else if (line.size() < kLineBytes) {
+        line += byte;
+      } else {
+        overflowed = true;
+      }
+    }
+    received.erase(0, std::min(used, received.size()));
+  }
+
+  static std::string stripped(const std::string& text) {
+    std::string bare;
+    bool comment = false;
+    for (const char c : text) {
+      if (c == ';') break;
+      if (c == '(') comment = true;
+      if (!comment && c > ' ' && c != '%') bare += char(std::toupper(static_cast<unsigned char>(c)));
+      if (c == ')') comment = false;
+    }
+    return bare;
+  }
+
+  void execute(const std::string& text) {
+    const std::string bare = stripped(text);
+    if (bare.empty()) return answer(GrblError::none);
+    if (bare[0] == '$') return execute_system(bare);
+    execute_motion(bare);
+  }
+
+  void execute_system(const std::string& command) {
+    const bool at_rest = axes.empty();
+    if (!at_rest) return answer(GrblError::not_idle);
+    if (command == "$$")
+      send(settings.list());
+    else if (command == "$I")
+      send("[VER:1.1h.20190825:LUMIFIELD]\r\n[OPT:VZ,15,128]\r\n");
+    else if (command == "$X")
+      unlock();
+    else if (command == "$H" && !settings.on(22))
+      return answer(GrblError::no_homing);
+    else if (command == "$H")
+      return home();
+    else if (const GrblError error = settings.set(std::string_view(command).substr(1)); error != GrblError::none)
+      return answer(error);
+    answer(GrblError::none);
+  }
+  void unlock() {
+    if (mode != Mode::alarm) return;
+    mode = Mode::idle;
+    send_line("[MSG:Caution: Unlocked]");
+  }
+
+  void execute_motion(const std::string& text) {
+    if (mode == Mode::alarm) return answer(GrblError::locked);
+    GcodeAction action;
+    const Vec2 from = axes.target_mm();
+    if (const GrblError error = gcode.execute(text, from, action); error != GrblError::none) return answer(error);
+    if (action.moves && settings.on(20) && beyond_travel(action.target_mm)) {
+      answer_on_reset = true;
+      return alarm(2, Mode::dead);
+    }
+    accept(action, from);
+  }
+
+  bool beyond_travel(const Vec2& target) const {
+    const Vec2 travel = settings.axes(130);
+    return (target.array() < -1e-9).any() || (target.array() > travel.array() + 1e-9).any();
+  }
+
+  void accept(const GcodeAction& action, const Vec2& from) {
+    if (action.moves) {
+      const Eigen::Array2d steps = settings.axes(100).array();
+      const Vec2 to = (action.target_mm.array() * steps).round() / steps;
+      push_line(from, to, action.rapid ? INFINITY : action.feed_mm_min, action.dwell_s);
+      if (prepare) prepare(axes.true_target_mm());
+    } else if (action.dwell_s > 0) {
+      push_line(from, from, INFINITY, action.dwell_s);
+    }
+    if (action.dwell_s > 0)
+      answer_when_idle = true;
+    else
+      answer(GrblError::none);
+  }
+};
+
+Result<std::unique_ptr<GrblController>> GrblController::start(const GrblOptions& options,
+                                                              std::function<void(const Vec2&)> prepare) {
+  auto impl = std::make_unique<Impl>(options);
+  impl->prepare = std::move(prepare);
+  if (auto opened = impl->open(); !opened) return tl::unexpected(opened.error());
+  impl->thread = std::jthread([self = impl.get()](std::stop_token stop) { self->run(stop); });
+  return std::unique_ptr<GrblController>(new GrblController(std::move(impl)));
+}
+
+GrblController::GrblController(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+GrblController::~GrblController() = default;
+
+Vec2 GrblController::true_position_mm() const {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->advance();
+  return impl_->axes.true_mm();
+}
+void GrblController::lose_steps(double mm_per_move) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->axes.lost_mm_per_move = mm_per_move;
+}
+void GrblController::stick(bool stuck) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->advance();
+  impl_->axes.stuck = stuck;
+}
+void GrblController::silence(bool silent) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->silent = silent;
+}
+void GrblController::trip_limit() {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->alarm(1, Mode::dead);
+}
+
+}  // namespace lumifield::virtual_bench

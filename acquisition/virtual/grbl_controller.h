@@ -1,0 +1,55 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "luminaire/error.h"
+#include "luminaire/geometry.h"
+
+namespace lumifield::virtual_bench {
+
+struct GrblOptions {
+  std::filesystem::path path;  ///< a symbolic link to the terminal is made here and removed in the end
+  Vec2 travel_mm{200, 150};    ///< $130, $131: MPos runs from 0 to these
+  double rapid_mm_s = 200;
+  double acceleration_mm_s2 = 2000;
+  Vec2 power_up_mm{20, 20};  ///< where the carriage truly stands when the controller starts
+};
+
+/// A GRBL 1.1 controller of a two-axis stage on a pseudo-terminal, built as HOMING_FORCE_SET_ORIGIN: $H seeks the
+/// switches at the low end of both axes, and MPos is 0 where the pull-off ends, so that readings run from 0 to the
+/// travel. Readings are MPos; work offsets change WPos and targets only. Before homing MPos is 0 wherever the carriage
+/// stands.
+///
+///     Alarm ── $X ──▶ Idle       Alarm, Idle ── $H ──▶ Home ── ok ──▶ Idle
+///     Idle ── G0 G1 ──▶ Run ── ! ──▶ Hold:1 ──▶ Hold:0 ── ~ ──▶ Run
+///     0x18 in Run, Hold:1: ALARM:3      in Home: ALARM:6      in Idle, Hold:0: Idle, position kept
+///     a switch closes: ALARM:1          target beyond the travel: ALARM:2          both dead until 0x18, then Alarm
+///
+/// The planner takes 15 moves and answers `ok` when it takes one; each move accelerates, cruises and ends at rest.
+/// There is no jogging. Own thread; the members may be called from any.
+class GrblController {
+ public:
+  /// `prepare` gets the true position that an accepted move will end at.
+  /// Errors: no pseudo-terminal, `path` exists or its folder cannot be written.
+  static Result<std::unique_ptr<GrblController>> start(const GrblOptions& options,
+                                                       std::function<void(const Vec2&)> prepare = {});
+  ~GrblController();
+
+  /// Where the carriage is now, whatever MPos claims.
+  Vec2 true_position_mm() const;
+
+  void lose_steps(double mm_per_move);  ///< each later move falls short by this; MPos does not know
+  void stick(bool stuck);               ///< the axes stop and the state stays what it is
+  void silence(bool silent);            ///< nothing is answered
+  void trip_limit();                    ///< a limit switch closes now: ALARM:1
+
+ private:
+  struct Impl;
+  explicit GrblController(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lumifield::virtual_bench

@@ -1,0 +1,116 @@
+#include "acquisition/virtual/knobs.h"
+
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+namespace lumifield::virtual_bench {
+
+namespace {
+constexpr std::size_t kLineBytes = 256;
+struct Client {
+  int socket;
+  std::string line;
+};
+}  // namespace
+
+struct Knobs::Impl {
+  std::filesystem::path path;
+  std::map<std::string, Knob> knobs;
+  int listener = -1;
+  bool bound = false;
+  std::vector<Client> clients;
+  std::jthread thread;
+
+  ~Impl() {
+    if (thread.joinable()) {
+      thread.request_stop();
+      thread.join();
+    }
+    for (const Client& client : clients) close(client.socket);
+    if (listener >= 0) close(listener);
+    if (bound) unlink(path.c_str());
+  }
+
+  Status open() {
+    sockaddr_un name{};
+    name.sun_family = AF_UNIX;
+    if (path.string().size() >= sizeof name.sun_path) return fail("the socket's path is too long", path.string());
+    std::strcpy(name.sun_path, path.c_str());
+    listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    bound = listener >= 0 && bind(listener, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0;
+    if (!bound || listen(listener, 4) != 0)
+      return fail(std::string("the knobs' socket cannot be made: ") + std::strerror(errno), path.string(),
+                  "give another --knobs, or remove what is there");
+    return {};
+  }
+
+  void run(std::stop_token stop) {
+    while (!stop.stop_requested()) {
+      std::vector<pollfd> sockets{{listener, POLLIN, 0}};
+      for (const Client& client : clients) sockets.push_back({client.socket, POLLIN, 0});
+      poll(sockets.data(), sockets.size(), 20);
+      for (std::size_t i = clients.size(); i-- > 0;)
+        if (sockets[i + 1].revents != 0 && !serve(clients[i])) {
+          close(clients[i].socket);
+          clients.erase(clients.begin() + std::ptrdiff_t(i));
+        }
+      if (sockets[0].revents == 0) continue;
+      if (const int client = accept4(listener, nullptr, nullptr, SOCK_CLOEXEC); client >= 0)
+        clients.push_back({client, {}});
+    }
+  }
+
+  // False when the client has gone, or sends lines without an end.
+  bool serve(Client& client) {
+    char bytes[kLineBytes];
+    const ssize_t count = read(client.socket, bytes, sizeof bytes);
+    if (count <= 0) return false;
+    client.line.append(bytes, std::size_t(count));
+    for (std::size_t end; (end = client.line.find('\n')) != std::string::npos;) {
+      const std::string reply = obey(client.line.substr(0, end)) + "\n";
+      client.line.erase(0, end + 1);
+      if (send(client.socket, reply.data(), reply.size(), MSG_NOSIGNAL) < 0) return false;
+    }
+    return client.line.size() < kLineBytes;
+  }
+
+  std::string obey(const std::string& line) {
+    const std::size_t space = line.find(' ');
+    if (space == std::string::npos) return "error: a line is `name value` or `get name`";
+    const bool asks = line.substr(0, space) == "get";
+    const std::string name = asks ? line.substr(space + 1) : line.substr(0, space);
+    const auto knob = knobs.find(name);
+    if (knob == knobs.end() || (asks && !knob->second.get)) return "error: no such knob: " + name;
+    if (asks) return knob->second.get();
+    if (!knob->second.set) return "error: " + name + " can only be read";
+    double value = 0;
+    const char* end = line.data() + line.size();
+    const auto [rest, fault] = std::from_chars(line.data() + space + 1, end, value);
+    if (fault != std::errc() || rest != end || !std::isfinite(value))
+      return "error: not a number: " + line.substr(space + 1);
+    const Status set = knob->second.set(value);
+    return set ? "ok" : "error: " + set.error().message();
+  }
+};
+
+Result<std::unique_ptr<Knobs>> Knobs::start(const std::filesystem::path& socket, std::map<std::string, Knob> knobs) {
+  auto impl = std::make_unique<Impl>();
+  impl->path = socket;
+  impl->knobs = std::move(knobs);
+  if (auto opened = impl->open(); !opened) return tl::unexpected(opened.error());
+  impl->thread = std::jthread([self = impl.get()](std::stop_token stop) { self->run(stop); });
+  return std::unique_ptr<Knobs>(new Knobs(std::move(impl)));
+}
+
+Knobs::Knobs(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Knobs::~Knobs() = default;
+
+}  // namespace lumifield::virtual_bench
