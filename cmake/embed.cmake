@@ -1,10 +1,13 @@
 # lumifield_embed_kernels(TARGET kernel.cl ...): syntax-checks each OpenCL C 1.2 file with clang and compiles its text into
-# TARGET, to be had by name through renderer/opencl/kernel_source.h. #include "x.h" lines are resolved from the root.
+# TARGET, to be had by name through renderer/opencl/kernel_source.h. #include "x" lines (structs shared with the host in
+# *_shared.h, parts of kernels in *.clh) are resolved from the root.
 find_program(LUMIFIELD_CLANG NAMES clang clang-14 REQUIRED)
 
 function(lumifield_embed_kernels target)
   set(generated ${CMAKE_CURRENT_BINARY_DIR}/embedded_kernels.cpp)
+  file(GLOB_RECURSE included CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_shared.h ${CMAKE_CURRENT_SOURCE_DIR}/*.clh)
   set(stamps)
+  set(paths)
   foreach(kernel ${ARGN})
     set(path ${CMAKE_CURRENT_SOURCE_DIR}/${kernel})
     string(REPLACE "/" "_" stem ${kernel})
@@ -13,14 +16,16 @@ function(lumifield_embed_kernels target)
       COMMAND ${LUMIFIELD_CLANG} -x cl -cl-std=CL1.2 -fsyntax-only -Wall -Werror -Xclang -finclude-default-header
               -I ${PROJECT_SOURCE_DIR} ${path}
       COMMAND ${CMAKE_COMMAND} -E touch ${stamp}
-      DEPENDS ${path} COMMENT "Checking ${kernel}" VERBATIM)
+      DEPENDS ${path} ${included} COMMENT "Checking ${kernel}" VERBATIM)
     list(APPEND stamps ${stamp})
+    file(RELATIVE_PATH relative ${PROJECT_SOURCE_DIR} ${path})
+    list(APPEND paths ${relative})
   endforeach()
-  list(JOIN ARGN "|" kernels)
-  file(GLOB_RECURSE shared_headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_shared.h)
+  list(JOIN paths "|" kernels)
   add_custom_command(OUTPUT ${generated}
-    COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -DFOLDER=${CMAKE_CURRENT_SOURCE_DIR} -DKERNELS=${kernels}
-            -DOUT=${generated} -P ${PROJECT_SOURCE_DIR}/cmake/embed_kernels.cmake
-    DEPENDS ${ARGN} ${stamps} ${shared_headers} ${PROJECT_SOURCE_DIR}/cmake/embed_kernels.cmake VERBATIM)
+    COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -DKERNELS=${kernels} -DOUT=${generated}
+            -P ${PROJECT_SOURCE_DIR}/cmake/embed_kernels.cmake
+    DEPENDS ${ARGN} ${stamps} ${included} ${PROJECT_SOURCE_DIR}/cmake/embed_kernels.cmake
+    COMMENT "Embedding kernels" VERBATIM)
   target_sources(${target} PRIVATE ${generated})
 endfunction()

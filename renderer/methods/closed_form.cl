@@ -1,0 +1,149 @@
+// Irradiance in closed form: one work-item per receiver, one running sum in double per receiver and channel.
+// Built with BASIS (0 box, 1 tent, 2 bell, 3 bspline2) and CHANNELS.
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+
+#ifndef BASIS
+#define BASIS 2
+#endif
+#ifndef CHANNELS
+#define CHANNELS 1
+#endif
+
+#include "renderer/methods/closed_form_shared.h"
+#include "renderer/methods/closed_form_axis.clh"
+#include "renderer/methods/closed_form_horizon.clh"
+
+#define BLOCK 16
+
+// Weights of 16 rows, to be read one by one.
+typedef struct {
+  float w0[BLOCK], w1[BLOCK];
+} RowWeights;
+
+RowWeights row_weights(const ReceiverAxis* receiver, const CellAxis* axis, int start, int from_low) {
+  RowWeights rows;
+  const Weights w = weights(receiver, axis, start, from_low);
+  vstore16(w.w0, 0, rows.w0);
+  vstore16(w.w1, 0, rows.w1);
+  return rows;
+}
+
+float sum_of(float16 v) {
+  const float8 a = v.lo + v.hi;
+  const float4 b = a.lo + a.hi;
+  const float2 c = b.lo + b.hi;
+  return c.x + c.y;
+}
+
+// Σ C (k w0 w0 + x w1 w0 + y w0 w1) over a block of 16 columns and `rows` rows; g is taken at the end of the support that
+// lies deepest, so that no term is negative.
+float block_sum(__global const float* c, int stride, int rows, const Weights* wx, const RowWeights* wy, float4 g) {
+  float16 plain = 0, tilted = 0;
+  for (int j = 0; j < rows; ++j) {
+    const float16 row = vload16(0, c + j * stride);
+    plain += row * wy->w0[j];
+    tilted += row * wy->w1[j];
+  }
+  return sum_of(plain * (g.x * wx->w0 + g.y * wx->w1) + tilted * (g.z * wx->w0));
+}
+
+// The pixel `number` of an axis as an interval of X within the support.
+double2 interval(const ReceiverAxis* receiver, const CellAxis* axis, int number) {
+  const double rate = fmax(receiver->rate, LEAST_RATE);
+  return clamp((double2)(axis->low + number, axis->low + number + 1) / rate, -HALF, HALF);
+}
+
+// The same as block_sum where the horizon cuts the support, in double and pixel by pixel.
+void cut_sum(__global const float* c, const ClosedFormGeometry* geometry, const ReceiverAxis* x, const ReceiverAxis* y,
+             const CellAxis* ax, const CellAxis* ay, const HorizonPlane* g, double* total) {
+  const double scale = 1 / ((double)x->scale * y->scale);
+  for (int j = 0; j < ay->count; ++j) {
+    const double2 v = interval(y, ay, j);
+    for (int i = 0; i < ax->count; ++i) {
+      const double4 r = (double4)(interval(x, ax, i), v);
+      if (highest(g, r) <= 0) continue;
+      const double weight = scale * clipped_integral(g, r);
+      for (int channel = 0; channel < CHANNELS; ++channel)
+        total[channel] += weight * c[channel * geometry->plane + j * geometry->stride + i];
+    }
+  }
+}
+
+__kernel void closed_form_add(const ClosedFormGeometry geometry, __global const ClosedFormReceiver* receivers,
+                              __global const ClosedFormCell* cells, __global const float* images,
+                              __global double* sums) {
+  const int id = get_global_id(0);
+  if (id >= geometry.receivers) return;
+  const ClosedFormReceiver receiver = receivers[id];
+  if (receiver.p_z <= 0 || (receiver.n_x == 0 && receiver.n_y == 0 && receiver.n_z == 0)) return;
+
+  // What follows from the receiver alone.
+  const double z = receiver.p_z, separation = geometry.separation;
+  const ReceiverAxis x = receiver_axis(receiver.p_x, z, separation, geometry.spacing_x, geometry.pixel_x);
+  const ReceiverAxis y = receiver_axis(receiver.p_y, z, separation, geometry.spacing_y, geometry.pixel_y);
+  const double forward = z >= separation ? 1 : -1;
+  const double slope_x = forward * receiver.n_x * geometry.spacing_x, slope_y = forward * receiver.n_y * geometry.spacing_y;
+  const double span = HALF * (fabs(slope_x) + fabs(slope_y));
+  const double factor =
+      separation * separation * geometry.spacing_x * geometry.spacing_y / (z * z * z) * ((double)x.scale * y.scale);
+
+  double sum[CHANNELS];
+  for (int channel = 0; channel < CHANNELS; ++channel) sum[channel] = 0;
+  CellAxis ay;
+  RowWeights wy;
+  double row_u = NAN;     // of ay
+  int row_start = -1;     // of wy
+  for (int m = 0; m < geometry.cells; ++m) {
+    // Above, below or across the horizon.
+    const ClosedFormCell cell = cells[m];
+    const double k = receiver.n_x * (cell.u_x - receiver.p_x) + receiver.n_y * (cell.u_y - receiver.p_y) - receiver.n_z * z;
+    if (k + span <= 0) continue;
+
+    // The pixels seen; rows are shared by the cells of a row of the grid.
+    const CellAxis ax = cell_axis(&x, cell.u_x, geometry.corner_x, geometry.pixel_x, geometry.width);
+    if (cell.u_y != row_u) {
+      ay = cell_axis(&y, cell.u_y, geometry.corner_y, geometry.pixel_y, geometry.height);
+      row_u = cell.u_y;
+      row_start = -1;
+    }
+    if (ax.count <= 0 || ay.count <= 0) continue;
+    __global const float* c =
+        images + (size_t)cell.image * geometry.plane + (size_t)ay.first * geometry.stride + ax.first;
+
+    double total[CHANNELS];
+    for (int channel = 0; channel < CHANNELS; ++channel) total[channel] = 0;
+    if (k - span < 0) {
+      const HorizonPlane g = {k, slope_x, slope_y};
+      cut_sum(c, &geometry, &x, &y, &ax, &ay, &g, total);
+    } else {
+      const float4 g = (float4)((float)(k - span), (float)fabs(slope_x), (float)fabs(slope_y), 0);
+      for (int i = 0; i < ax.count; i += BLOCK) {
+        const Weights wx = weights(&x, &ax, i, slope_x >= 0);
+        for (int j = 0; j < ay.count; j += BLOCK) {
+          if (j != row_start) wy = row_weights(&y, &ay, row_start = j, slope_y >= 0);
+          for (int channel = 0; channel < CHANNELS; ++channel)
+            total[channel] += block_sum(c + channel * geometry.plane + j * geometry.stride + i, geometry.stride,
+                                        min(BLOCK, ay.count - j), &wx, &wy, g);
+        }
+      }
+    }
+    for (int channel = 0; channel < CHANNELS; ++channel) sum[channel] += cell.sign * total[channel];
+  }
+  for (int channel = 0; channel < CHANNELS; ++channel) sums[(size_t)id * CHANNELS + channel] += factor * sum[channel];
+}
+
+// Sizes and offsets of the shared structs as the device lays them out, for a test.
+__kernel void closed_form_layout(__global int* layout) {
+  ClosedFormGeometry geometry;
+  ClosedFormReceiver receiver;
+  ClosedFormCell cell;
+  layout[0] = sizeof geometry;
+  layout[1] = (int)((char*)&geometry.corner_x - (char*)&geometry);
+  layout[2] = (int)((char*)&geometry.width - (char*)&geometry);
+  layout[3] = (int)((char*)&geometry.cells - (char*)&geometry);
+  layout[4] = sizeof receiver;
+  layout[5] = (int)((char*)&receiver.n_z - (char*)&receiver);
+  layout[6] = sizeof cell;
+  layout[7] = (int)((char*)&cell.sign - (char*)&cell);
+  layout[8] = (int)((char*)&cell.image - (char*)&cell);
+}

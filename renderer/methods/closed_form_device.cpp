@@ -1,0 +1,224 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "renderer/methods/closed_form.h"
+#include "renderer/methods/closed_form_shared.h"
+#include "renderer/opencl/device.h"
+
+namespace lumifield {
+
+namespace {
+
+constexpr std::size_t work_group = 64;
+/// Floats that a kernel reads at once.
+constexpr int vector_floats = 16;
+/// Images held on the device at a time.
+constexpr std::size_t batch_bytes = std::size_t(256) << 20;
+
+/// An image in a batch, and whether it is added or taken away.
+struct BatchCell {
+  CellIndex index;
+  const CellImage* image;
+  double sign;
+};
+
+template <class T>
+std::span<const std::byte> bytes_of(const std::vector<T>& values) {
+  return std::as_bytes(std::span(values));
+}
+
+}  // namespace
+
+struct ClosedFormDevice::Impl {
+  LuminaireGeometry geometry;
+  std::unique_ptr<OpenClDevice> device;
+  DeviceKernel kernel;
+  ClosedFormGeometry shared{};
+  DeviceBuffer receivers, sums;
+  DeviceBuffer cells, images;
+  double last_kernel_s = 0;
+
+  std::size_t channels() const { return geometry.channels.size(); }
+  std::size_t plane_floats() const { return static_cast<std::size_t>(shared.plane); }
+  std::size_t cell_bytes() const { return channels() * plane_floats() * sizeof(float); }
+  Status check(CellIndex index, const CellImage& image) const;
+  Status take_receivers(const std::vector<ClosedFormReceiver>& all);
+  Status add(std::span<const BatchCell> all);
+  Status upload(std::span<const BatchCell> batch);
+};
+
+ClosedFormDevice::ClosedFormDevice(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ClosedFormDevice::~ClosedFormDevice() = default;
+std::string ClosedFormDevice::device_name() const { return impl_->device->name(); }
+double ClosedFormDevice::last_kernel_s() const { return impl_->last_kernel_s; }
+
+Result<std::unique_ptr<ClosedFormDevice>> ClosedFormDevice::create(const LuminaireGeometry& geometry) {
+  // The geometry as the kernel sees it.
+  const Measurement& m = geometry.measurement;
+  const Sampling& s = geometry.sampling;
+  if (geometry.channels.size() != 1 && geometry.channels.size() != 3)
+    return fail("a luminaire of " + std::to_string(geometry.channels.size()) + " channels cannot be rendered",
+                "channels", "give it the channel Y, or R, G, B");
+  const std::size_t stride =
+      (static_cast<std::size_t>(std::max(m.width_px, 0)) + 2 * vector_floats - 1) / vector_floats * vector_floats;
+  const std::size_t plane = stride * static_cast<std::size_t>(std::max(m.height_px, 0));
+  if (m.width_px < 1 || m.height_px < 1 || plane > std::size_t(1) << 30)
+    return fail(
+        "images of " + std::to_string(m.width_px) + "x" + std::to_string(m.height_px) + " pixels cannot be rendered",
+        "measurement", "give 1 to 10^9 pixels");
+  auto impl = std::make_unique<Impl>();
+  impl->geometry = geometry;
+  impl->shared = {geometry.planes.separation_mm,
+                  s.spacing_mm.x(),
+                  s.spacing_mm.y(),
+                  m.corner_mm().x(),
+                  m.corner_mm().y(),
+                  m.pixel_mm.x(),
+                  m.pixel_mm.y(),
+                  m.width_px,
+                  m.height_px,
+                  static_cast<int>(stride),
+                  static_cast<int>(plane),
+                  0,
+                  0};
+
+  // The device and its kernel.
+  auto device = OpenClDevice::create();
+  if (!device) return tl::unexpected(device.error());
+  impl->device = std::move(*device);
+  const std::string options = "-DBASIS=" + std::to_string(static_cast<int>(s.basis)) +
+                              " -DCHANNELS=" + std::to_string(geometry.channels.size());
+  auto kernel = impl->device->build("closed_form", options, "closed_form_add");
+  if (!kernel) return tl::unexpected(kernel.error());
+  impl->kernel = *kernel;
+  return std::unique_ptr<ClosedFormDevice>(new ClosedFormDevice(std::move(impl)));
+}
+
+Status ClosedFormDevice::Impl::take_receivers(const std::vector<ClosedFormReceiver>& all) {
+  for (std::size_t k = 0; k < all.size(); ++k)
+    for (double v : {all[k].p_x, all[k].p_y, all[k].p_z, all[k].n_x, all[k].n_y, all[k].n_z})
+      if (!std::isfinite(v)) return fail("has NaN or Inf", "receiver " + std::to_string(k), "give finite numbers");
+  if (all.size() > std::size_t(1) << 30) return fail("more than 2^30 receivers", "receivers", "render in parts");
+  auto new_receivers = device->allocate(all.size() * sizeof(ClosedFormReceiver), "receivers");
+  if (!new_receivers) return tl::unexpected(new_receivers.error());
+  auto new_sums = device->allocate(all.size() * channels() * sizeof(double), "sums of irradiance");
+  if (!new_sums) return tl::unexpected(new_sums.error());
+  if (auto written = device->write(*new_receivers, 0, bytes_of(all)); !written) return written;
+  if (auto cleared = device->zero(*new_sums); !cleared) return cleared;
+  receivers = *new_receivers;
+  sums = *new_sums;
+  shared.receivers = static_cast<int>(all.size());
+  return {};
+}
+
+Status ClosedFormDevice::set_receivers(std::span<const Receiver> receivers) {
+  std::vector<ClosedFormReceiver> all;
+  all.reserve(receivers.size());
+  for (const Receiver& r : receivers) all.push_back({r.p_mm.x(), r.p_mm.y(), r.p_mm.z(), r.n.x(), r.n.y(), r.n.z()});
+  return impl_->take_receivers(all);
+}
+
+Status ClosedFormDevice::set_receivers(std::span<const float> p_xyzw, std::span<const float> n_xyzw) {
+  if (p_xyzw.size() != n_xyzw.size() || p_xyzw.size() % 4 != 0)
+    return fail("positions and normals are not 4 floats each", "receivers", "give as many of both");
+  std::vector<ClosedFormReceiver> all;
+  all.reserve(p_xyzw.size() / 4);
+  for (std::size_t k = 0; k < p_xyzw.size(); k += 4)
+    all.push_back({p_xyzw[k], p_xyzw[k + 1], p_xyzw[k + 2], n_xyzw[k], n_xyzw[k + 1], n_xyzw[k + 2]});
+  return impl_->take_receivers(all);
+}
+
+Status ClosedFormDevice::Impl::check(CellIndex index, const CellImage& image) const {
+  const std::string where = "cell " + to_string(index);
+  if (!geometry.sampling.contains(index)) return fail("lies outside the grid of cells", where, "check row and column");
+  if (image.width_px != shared.width || image.height_px != shared.height ||
+      static_cast<std::size_t>(image.channels) != channels() || image.value.size() != image.plane() * channels())
+    return fail("its image has another size or number of channels than the luminaire", where, "measure it again");
+  if (!std::all_of(image.value.begin(), image.value.end(), [](float v) { return std::isfinite(v); }))
+    return fail("its image holds NaN or Inf", where, "measure it again");
+  return {};
+}
+
+/// Images with padded rows, and the table of cells.
+Status ClosedFormDevice::Impl::upload(std::span<const BatchCell> batch) {
+  const std::size_t bytes = batch.size() * cell_bytes();
+  if (images.bytes() < bytes) {
+    images = {};
+    auto more = device->allocate(bytes, "cell images");
+    if (!more) return tl::unexpected(more.error());
+    images = *more;
+  }
+  std::vector<ClosedFormCell> table;
+  std::vector<float> padded(cell_bytes() / sizeof(float), 0.0f);
+  const std::size_t width = static_cast<std::size_t>(shared.width), stride = static_cast<std::size_t>(shared.stride);
+  for (std::size_t k = 0; k < batch.size(); ++k) {
+    const CellImage& image = *batch[k].image;
+    for (std::size_t row = 0; row < channels() * static_cast<std::size_t>(shared.height); ++row)
+      std::memcpy(padded.data() + row * stride, image.value.data() + row * width, width * sizeof(float));
+    if (auto written = device->write(images, k * cell_bytes(), bytes_of(padded)); !written) return written;
+    const Vec2 u = geometry.sampling.cell_center_mm(batch[k].index);
+    table.push_back({u.x(), u.y(), batch[k].sign, static_cast<int>(k * channels()), 0});
+  }
+  if (cells.bytes() < table.size() * sizeof(ClosedFormCell)) {
+    auto more = device->allocate(table.size() * sizeof(ClosedFormCell), "cells");
+    if (!more) return tl::unexpected(more.error());
+    cells = *more;
+  }
+  return device->write(cells, 0, bytes_of(table));
+}
+
+Status ClosedFormDevice::Impl::add(std::span<const BatchCell> all) {
+  for (const BatchCell& each : all)
+    if (auto good = check(each.index, *each.image); !good) return good;
+  last_kernel_s = 0;
+  if (shared.receivers == 0) return {};
+
+  // As many images at a time as the device takes in one buffer.
+  const std::size_t fit = std::max<std::size_t>(std::min(batch_bytes, device->max_buffer_bytes()) / cell_bytes(), 1);
+  for (std::size_t begin = 0; begin < all.size(); begin += fit) {
+    const auto batch = all.subspan(begin, std::min(fit, all.size() - begin));
+    if (auto uploaded = upload(batch); !uploaded) return uploaded;
+    shared.cells = static_cast<int>(batch.size());
+    kernel.set(0, shared);
+    kernel.set(1, receivers);
+    kernel.set(2, cells);
+    kernel.set(3, images);
+    kernel.set(4, sums);
+    const auto seconds = device->run(kernel, static_cast<std::size_t>(shared.receivers), work_group);
+    if (!seconds) return tl::unexpected(seconds.error());
+    last_kernel_s += *seconds;
+  }
+  return {};
+}
+
+Status ClosedFormDevice::add_cell(CellIndex cell, const CellImage& image, const CellImage* replaces) {
+  std::vector<BatchCell> batch{{cell, &image, 1}};
+  if (replaces) batch.push_back({cell, replaces, -1});
+  return impl_->add(batch);
+}
+
+Status ClosedFormDevice::add_cells(std::span<const CellIndex> cells, std::span<const CellImage* const> images) {
+  if (cells.size() != images.size())
+    return fail(std::to_string(cells.size()) + " cells came with " + std::to_string(images.size()) + " images", "cells",
+                "give one image each");
+  std::vector<BatchCell> batch;
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    if (images[k]) batch.push_back({cells[k], images[k], 1});
+  std::stable_sort(batch.begin(), batch.end(), [](const auto& a, const auto& b) { return a.index < b.index; });
+  return impl_->add(batch);
+}
+
+Status ClosedFormDevice::read(std::vector<double>& irradiance) {
+  irradiance.assign(static_cast<std::size_t>(impl_->shared.receivers) * impl_->channels(), 0.0);
+  return impl_->device->read(impl_->sums, std::as_writable_bytes(std::span(irradiance)));
+}
+
+Status ClosedFormDevice::read(std::vector<float>& irradiance) {
+  std::vector<double> sums;
+  if (auto got = read(sums); !got) return got;
+  irradiance.assign(sums.begin(), sums.end());
+  return {};
+}
+
+}  // namespace lumifield

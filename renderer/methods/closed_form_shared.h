@@ -1,0 +1,38 @@
+#pragma once
+
+// Structs that the host and the kernels of the closed form share: int, float, float4, and double where positions need
+// it. Their layout is asserted on the host and read back from the device by a test.
+
+/// The luminaire but its cells. Lengths in mm.
+typedef struct ClosedFormGeometry {
+  double separation;            ///< δ
+  double spacing_x, spacing_y;  ///< a
+  double corner_x, corner_y;    ///< edge of pixel (0, 0) on S
+  double pixel_x, pixel_y;
+  int width, height;  ///< pixels of an image
+  int stride;         ///< floats from row to row; what follows a row's pixels is 0 for at least one vector
+  int plane;          ///< floats from channel to channel
+  int receivers;
+  int cells;
+} ClosedFormGeometry;
+
+typedef struct ClosedFormReceiver {
+  double p_x, p_y, p_z, n_x, n_y, n_z;
+} ClosedFormReceiver;
+
+typedef struct ClosedFormCell {
+  double u_x, u_y;  ///< centre on U
+  double sign;      ///< +1 adds, −1 takes away what the cell had added
+  int image;        ///< its first plane, counted in planes
+  int reserved;
+} ClosedFormCell;
+
+#ifndef __OPENCL_C_VERSION__
+#include <cstddef>
+static_assert(sizeof(double) == 8 && sizeof(int) == 4);
+static_assert(sizeof(ClosedFormGeometry) == 80 && offsetof(ClosedFormGeometry, corner_x) == 24 &&
+              offsetof(ClosedFormGeometry, width) == 56 && offsetof(ClosedFormGeometry, cells) == 76);
+static_assert(sizeof(ClosedFormReceiver) == 48 && offsetof(ClosedFormReceiver, n_z) == 40);
+static_assert(sizeof(ClosedFormCell) == 32 && offsetof(ClosedFormCell, sign) == 16 &&
+              offsetof(ClosedFormCell, image) == 24);
+#endif

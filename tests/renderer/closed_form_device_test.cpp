@@ -1,0 +1,188 @@
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <gtest/gtest.h>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include "renderer/methods/closed_form.h"
+#include "tests/support/closed_form_cases.h"
+#include "tests/support/definition_quadrature.h"
+
+namespace lumifield {
+namespace {
+
+struct Cells {
+  std::vector<CellIndex> indices;
+  std::vector<std::shared_ptr<const CellImage>> kept;
+  std::vector<const CellImage*> images;
+};
+
+Cells cells_of(const LightField& field) {
+  Cells cells;
+  const Sampling& sampling = field.geometry().sampling;
+  for (int flat = 0; flat < sampling.cells(); ++flat)
+    if (auto image = field.cell(sampling.index(flat))) {
+      cells.indices.push_back(sampling.index(flat));
+      cells.images.push_back(image.get());
+      cells.kept.push_back(std::move(image));
+    }
+  return cells;
+}
+
+std::vector<double> sums_of(ClosedFormDevice& device) {
+  std::vector<double> sums;
+  EXPECT_TRUE(device.read(sums));
+  return sums;
+}
+
+class ClosedFormDeviceOf : public testing::TestWithParam<std::tuple<BasisKind, int>> {
+ protected:
+  void SetUp() override {
+    const auto [basis, channels] = GetParam();
+    field_.emplace(random_luminaire(basis, channels, 21));
+    auto created = ClosedFormDevice::create(field_->geometry());
+    if (!created) GTEST_SKIP() << created.error().message();
+    device_ = std::move(*created);
+    cases_ = receiver_cases(field_->geometry(), 22);
+    for (const ReceiverCase& each : cases_) receivers_.push_back({each.p_mm, each.n});
+    ASSERT_TRUE(device_->set_receivers(receivers_));
+  }
+  std::optional<LightField> field_;
+  std::unique_ptr<ClosedFormDevice> device_;
+  std::vector<ReceiverCase> cases_;
+  std::vector<Receiver> receivers_;
+};
+INSTANTIATE_TEST_SUITE_P(All, ClosedFormDeviceOf,
+                         testing::Values(std::tuple(BasisKind::box, 1), std::tuple(BasisKind::tent, 1),
+                                         std::tuple(BasisKind::bell, 1), std::tuple(BasisKind::bspline2, 1),
+                                         std::tuple(BasisKind::bell, 3)),
+                         [](const auto& each) {
+                           return std::string(to_string(std::get<0>(each.param))) +
+                                  std::to_string(std::get<1>(each.param));
+                         });
+
+TEST_P(ClosedFormDeviceOf, EqualsTheDefinition) {
+  const Cells cells = cells_of(*field_);
+  ASSERT_TRUE(device_->add_cells(cells.indices, cells.images));
+  const std::vector<double> e = sums_of(*device_);
+  const std::size_t channels = field_->geometry().channels.size();
+  ASSERT_EQ(e.size(), cases_.size() * channels);
+  std::map<std::string, double> worst;
+  for (std::size_t k = 0; k < cases_.size(); ++k) {
+    const ReceiverCase& each = cases_[k];
+    const DefinitionValue expected = definition_quadrature(*field_, each.p_mm, each.n);
+    for (std::size_t c = 0; c < channels; ++c) {
+      const double error = std::abs(e[k * channels + c] - expected.irradiance[c]);
+      EXPECT_LE(error, (each.cut_horizon ? 1e-3 : 1e-5) * expected.magnitude[c])
+          << each.name << " p " << each.p_mm.transpose() << " n " << each.n.transpose();
+      if (expected.magnitude[c] > 0) worst[each.name] = std::max(worst[each.name], error / expected.magnitude[c]);
+    }
+  }
+  if (std::getenv("LUMIFIELD_PRINT_ERRORS"))
+    for (const auto& [name, error] : worst) std::printf("%-24s %.1e\n", name.c_str(), error);
+}
+
+TEST_P(ClosedFormDeviceOf, CellsOneByOneSumToTheSame) {
+  const Cells cells = cells_of(*field_);
+  ASSERT_TRUE(device_->add_cells(cells.indices, cells.images));
+  const std::vector<double> together = sums_of(*device_);
+  ASSERT_TRUE(device_->set_receivers(receivers_));
+  for (std::size_t k = cells.indices.size(); k-- > 0;)
+    ASSERT_TRUE(device_->add_cell(cells.indices[k], *cells.images[k]));
+  const std::vector<double> apart = sums_of(*device_);
+  const std::size_t channels = field_->geometry().channels.size();
+  for (std::size_t k = 0; k < apart.size(); ++k) {
+    const ReceiverCase& each = cases_[k / channels];
+    const double magnitude = definition_quadrature(*field_, each.p_mm, each.n).magnitude[k % channels];
+    EXPECT_LE(std::abs(apart[k] - together[k]), 1e-12 * magnitude) << each.name;
+  }
+}
+
+TEST_P(ClosedFormDeviceOf, ARetakenCellLeavesNoTrace) {
+  const LightField other =
+      random_luminaire(field_->geometry().sampling.basis, static_cast<int>(field_->geometry().channels.size()), 99);
+  const Cells before = cells_of(other), after = cells_of(*field_);
+  ASSERT_TRUE(device_->add_cells(after.indices, after.images));
+  const std::vector<double> fresh = sums_of(*device_);
+  ASSERT_TRUE(device_->set_receivers(receivers_));
+  ASSERT_TRUE(device_->add_cells(before.indices, before.images));
+  for (std::size_t k = 0; k < after.indices.size(); ++k)
+    ASSERT_TRUE(device_->add_cell(after.indices[k], *after.images[k], before.images[k]));
+  const std::vector<double> retaken = sums_of(*device_);
+  const std::size_t channels = field_->geometry().channels.size();
+  for (std::size_t k = 0; k < fresh.size(); ++k) {
+    const ReceiverCase& each = cases_[k / channels];
+    const double magnitude = definition_quadrature(*field_, each.p_mm, each.n).magnitude[k % channels] +
+                             definition_quadrature(other, each.p_mm, each.n).magnitude[k % channels];
+    EXPECT_LE(std::abs(retaken[k] - fresh[k]), 1e-12 * magnitude) << each.name;
+  }
+}
+
+TEST(ClosedFormDevice, FloatReceiversEqualTheHost) {
+  const LightField field = random_luminaire(BasisKind::bell, 3, 31);
+  auto device = ClosedFormDevice::create(field.geometry());
+  if (!device) GTEST_SKIP() << device.error().message();
+  // A tilted plane of receivers, every fifth background, as a picture hands them over.
+  std::vector<float> p, n;
+  for (int k = 0; k < 500; ++k) {
+    p.insert(p.end(), {float(k % 25) * 2 - 25, float(k / 25) * 3 - 30, 90 + float(k % 7), 1});
+    const float facing = k % 5 == 0 ? 0.0f : -1.0f;
+    n.insert(n.end(), {0, 0, facing, 0});
+  }
+  const Cells cells = cells_of(field);
+  ASSERT_TRUE((*device)->set_receivers(p, n));
+  ASSERT_TRUE((*device)->add_cells(cells.indices, cells.images));
+  std::vector<float> e;
+  ASSERT_TRUE((*device)->read(e));
+  const ClosedForm host(field);
+  for (std::size_t k = 0; k < 500; ++k) {
+    const Vec3 at(p[4 * k], p[4 * k + 1], p[4 * k + 2]);
+    const std::vector<double> expected = host.irradiance({at, {0, 0, n[4 * k + 2]}});
+    const DefinitionValue value = definition_quadrature(field, at, {0, 0, n[4 * k + 2]});
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_LE(std::abs(e[3 * k + c] - expected[c]), 1e-5 * value.magnitude[c]) << at.transpose();
+  }
+}
+
+TEST(ClosedFormDevice, RefusesWhatItCannotUse) {
+  const LightField field = random_luminaire(BasisKind::box, 1, 1);
+  LuminaireGeometry two = field.geometry();
+  two.channels = {"a", "b"};
+  EXPECT_FALSE(ClosedFormDevice::create(two));
+  LuminaireGeometry huge = field.geometry();
+  huge.measurement.width_px = huge.measurement.height_px = 1 << 30;
+  EXPECT_FALSE(ClosedFormDevice::create(huge));
+
+  auto device = ClosedFormDevice::create(field.geometry());
+  if (!device) GTEST_SKIP() << device.error().message();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<Receiver> bad{{{0, 0, 1}, {0, 0, 1}}, {{0, nan, 1}, {0, 0, 1}}};
+  const Status refused = (*device)->set_receivers(bad);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().where, "receiver 1");
+  EXPECT_FALSE((*device)->set_receivers(std::vector<float>(8), std::vector<float>(4)));
+
+  CellImage image = *cells_of(field).images[0];
+  EXPECT_FALSE((*device)->add_cell({9, 9}, image));
+  image.value[5] = std::numeric_limits<float>::infinity();
+  const Status infinite = (*device)->add_cell({1, 2}, image);
+  ASSERT_FALSE(infinite);
+  EXPECT_EQ(infinite.error().where, "cell (1, 2)");
+  image.value.pop_back();
+  EXPECT_FALSE((*device)->add_cell({1, 2}, image));
+}
+
+TEST(ClosedFormDevice, WithoutReceiversThereIsNothingToDo) {
+  const LightField field = random_luminaire(BasisKind::box, 1, 1);
+  auto device = ClosedFormDevice::create(field.geometry());
+  if (!device) GTEST_SKIP() << device.error().message();
+  const Cells cells = cells_of(field);
+  EXPECT_TRUE((*device)->set_receivers(std::span<const Receiver>()));
+  EXPECT_TRUE((*device)->add_cells(cells.indices, cells.images));
+  EXPECT_TRUE(sums_of(**device).empty());
+}
+
+}  // namespace
+}  // namespace lumifield

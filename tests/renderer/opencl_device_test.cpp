@@ -1,0 +1,127 @@
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include "renderer/methods/closed_form_shared.h"
+#include "renderer/opencl/device.h"
+#include "renderer/opencl/kernel_source.h"
+#include "renderer/renderer.h"
+
+namespace lumifield {
+namespace {
+
+using testing::HasSubstr;
+
+/// Sets an environment variable for one test.
+class Environment {
+ public:
+  Environment(const char* name, const std::string& value) : name_(name) { setenv(name, value.c_str(), 1); }
+  ~Environment() { unsetenv(name_); }
+
+ private:
+  const char* name_;
+};
+
+TEST(OpenClDevice, StructsAreLaidOutAsOnTheHost) {
+  auto device = OpenClDevice::create();
+  if (!device) GTEST_SKIP() << device.error().message();
+  auto kernel = (*device)->build("closed_form", "", "closed_form_layout");
+  ASSERT_TRUE(kernel) << kernel.error().message();
+  std::vector<int> layout(9);
+  auto buffer = (*device)->allocate(layout.size() * sizeof(int), "the layout");
+  ASSERT_TRUE(buffer);
+  kernel->set(0, *buffer);
+  ASSERT_TRUE((*device)->run(*kernel, 1, 1));
+  ASSERT_TRUE((*device)->read(*buffer, std::as_writable_bytes(std::span(layout))));
+  EXPECT_EQ(layout,
+            (std::vector<int>{sizeof(ClosedFormGeometry), offsetof(ClosedFormGeometry, corner_x),
+                              offsetof(ClosedFormGeometry, width), offsetof(ClosedFormGeometry, cells),
+                              sizeof(ClosedFormReceiver), offsetof(ClosedFormReceiver, n_z), sizeof(ClosedFormCell),
+                              offsetof(ClosedFormCell, sign), offsetof(ClosedFormCell, image)}));
+}
+
+TEST(OpenClDevice, ProbeNamesTheDevice) {
+  const auto probed = probe_opencl();
+  auto device = OpenClDevice::create();
+  ASSERT_EQ(probed.has_value(), device.has_value());
+  if (!probed) GTEST_SKIP() << probed.error().message();
+  EXPECT_THAT(*probed, HasSubstr((*device)->name()));
+  EXPECT_THAT(*probed, HasSubstr("OpenCL"));
+}
+
+TEST(OpenClDevice, RefusesADeviceThatIsNotThere) {
+  if (!probe_opencl()) GTEST_SKIP() << probe_opencl().error().message();
+  const Environment wanted("LUMIFIELD_OPENCL", "no such device");
+  const auto device = OpenClDevice::create();
+  ASSERT_FALSE(device);
+  EXPECT_THAT(device.error().message(), HasSubstr("no such device"));
+}
+
+TEST(OpenClDevice, ADriverThatAbortsBecomesAnError) {
+  // A fresh process, since this one may know its driver already: the loader is given a driver that aborts when opened.
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("aborting-" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "driver.c")
+      << "#include <stdlib.h>\n__attribute__((constructor)) void start(void) { abort(); }\n";
+  const std::string library = (folder / "driver.so").string();
+  ASSERT_EQ(std::system(("cc -shared -fPIC -o " + library + " " + (folder / "driver.c").string()).c_str()), 0);
+  std::ofstream(folder / "driver.icd") << library << "\n";
+  const auto in_fresh_process = [&] {
+    setenv("OCL_ICD_VENDORS", folder.c_str(), 1);
+    const auto probed = probe_opencl();
+    std::fprintf(stderr, "%s\n", probed ? "usable" : probed.error().message().c_str());
+    std::exit(probed ? 0 : 3);
+  };
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(in_fresh_process(), testing::ExitedWithCode(3), "ended with signal 6");
+  std::filesystem::remove_all(folder);
+}
+
+TEST(OpenClDevice, AFolderWithoutDriversIsAnError) {
+  const auto in_fresh_process = [] {
+    setenv("OCL_ICD_VENDORS", "/nonexistent/", 1);
+    const auto device = OpenClDevice::create();
+    std::fprintf(stderr, "%s\n", device ? "usable" : device.error().message().c_str());
+    std::exit(device ? 0 : 3);
+  };
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(in_fresh_process(), testing::ExitedWithCode(3), "no OpenCL platform");
+}
+
+TEST(OpenClDevice, RefusesABufferLargerThanTheDeviceTakes) {
+  auto device = OpenClDevice::create();
+  if (!device) GTEST_SKIP() << device.error().message();
+  const auto buffer = (*device)->allocate((*device)->max_buffer_bytes() + 1, "everything");
+  ASSERT_FALSE(buffer);
+  EXPECT_THAT(buffer.error().message(), HasSubstr("everything"));
+}
+
+TEST(OpenClDevice, ABrokenKernelGivesTheCompilersLog) {
+  auto device = OpenClDevice::create();
+  if (!device) GTEST_SKIP() << device.error().message();
+  const std::filesystem::path root = std::filesystem::temp_directory_path() / ("kernels-" + std::to_string(getpid()));
+  std::filesystem::create_directories(root / "renderer/opencl");
+  std::ofstream(root / "renderer/opencl/probe.cl") << "__kernel void probe(__global int* x) { x[0] = unheard_of; }\n";
+  const Environment kernels("LUMIFIELD_KERNELS", root.string());
+  const auto kernel = (*device)->build("probe", "", "probe");
+  std::filesystem::remove_all(root);
+  ASSERT_FALSE(kernel);
+  EXPECT_THAT(kernel.error().message(), HasSubstr("unheard_of"));
+}
+
+TEST(KernelSource, EmbeddedTextHasItsIncludesResolved) {
+  const auto source = kernel_source("closed_form");
+  ASSERT_TRUE(source);
+  EXPECT_THAT(source->text, HasSubstr("struct ClosedFormGeometry"));
+  EXPECT_THAT(source->text, testing::Not(HasSubstr("#include \"")));
+  EXPECT_FALSE(kernel_source("no such kernel"));
+}
+
+}  // namespace
+}  // namespace lumifield
