@@ -15,7 +15,7 @@ constexpr milliseconds wake_period(250);
 constexpr milliseconds wake_reset_after(2000);  // in a critical alarm `?` stays unanswered until a reset
 constexpr milliseconds answer_time(1000);
 constexpr milliseconds reset_time(2000);
-constexpr milliseconds stop_time(10000);
+constexpr milliseconds stop_time(3000);  // even slow stages brake from full speed in less
 constexpr int unreadable_limit = 3;
 constexpr int work_offset_period = 40;  // reports; GRBL sends WCO at least every 30th
 constexpr double mm_per_inch = 25.4;

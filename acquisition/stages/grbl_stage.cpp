@@ -185,7 +185,8 @@ Status GrblStage::await_arrival(const Vec2& target_mm, Seconds predicted, std::s
 }
 
 Status GrblStage::stop_moving(Error why) {
-  if (Status at_rest = dialogue_->stop_and_reset(); !at_rest) return at_rest;
+  if (Status at_rest = dialogue_->stop_and_reset(); !at_rest)
+    return fail(why.what + "; and then: " + at_rest.error().what, info_.path, at_rest.error().remedy);
   return tl::unexpected(std::move(why));
 }
 

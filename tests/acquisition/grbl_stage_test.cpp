@@ -232,7 +232,6 @@ INSTANTIATE_TEST_SUITE_P(Faults, GrblStageInMotion,
                                          FaultCase{Fault::door, "door", "safety door is open", false},
                                          FaultCase{Fault::hold, "hold", "put on hold", true},
                                          FaultCase{Fault::restart, "restart", "the controller restarted", true},
-                                         FaultCase{Fault::freeze, "freeze", "did not arrive within", true},
                                          FaultCase{Fault::unplug, "unplug", "unplugged or switched off", false}),
                          [](const auto& each) { return std::string(each.param.name); });
 
@@ -249,6 +248,31 @@ TEST_P(GrblStageInMotion, IsNamedWithARemedy) {
   const Status homed = stage->home();
   ASSERT_TRUE(homed) << homed.error().message();
   EXPECT_TRUE(stage->move_to({1, 1}));
+}
+
+TEST(GrblStage, AMoveHasADeadline) {
+  Script script;
+  script.speed_mm_s = 5;  // while $110 says 100
+  const ScriptedGrbl grbl(script);
+  const auto stage = open_homed(grbl);
+  EXPECT_THAT(message(stage->move_to({30, 0})), HasSubstr("did not arrive within 3.0 s"));
+  const Result<Vec2> q = stage->position();
+  ASSERT_TRUE(q) << q.error().message();
+  EXPECT_GT(q->x(), 10);
+}
+
+TEST(GrblStage, AStageThatDoesNotStopIsToldBesideTheReason) {
+  ScriptedGrbl grbl;
+  const auto stage = open_homed(grbl);
+  grbl.set_fault(Fault::freeze, 2);
+  std::stop_source stop;
+  std::jthread operator_thread([&] {
+    while (grbl.position().x() < 2) std::this_thread::sleep_for(milliseconds(1));
+    stop.request_stop();
+  });
+  const Status moved = stage->move_to({30, 0}, stop.get_token());
+  EXPECT_THAT(message(moved), testing::AllOf(HasSubstr("stopped by the operator; and then: it does not stop"),
+                                             HasSubstr("switch the stage off")));
 }
 
 TEST(GrblStage, AnAlarmHoldsUntilHomed) {

@@ -156,7 +156,7 @@ class ScriptedGrbl {
   }
 
   void hold() {
-    if (state_ == "Idle" || state_ == "Run") state_ = "Hold:0";
+    if (state_ == "Idle" || (state_ == "Run" && !is_frozen_)) state_ = "Hold:0";
   }
 
   void report() {
