@@ -20,31 +20,33 @@ typedef struct {
   float w0[BLOCK], w1[BLOCK];
 } RowWeights;
 
-RowWeights row_weights(const ReceiverAxis* receiver, const CellAxis* axis, int start, int from_low) {
-  RowWeights rows;
+INLINE void row_weights(const ReceiverAxis* receiver, const CellAxis* axis, int start, int from_low, RowWeights* rows) {
   const Weights w = weights(receiver, axis, start, from_low);
-  vstore16(w.w0, 0, rows.w0);
-  vstore16(w.w1, 0, rows.w1);
-  return rows;
+  vstore16(w.w0, 0, rows->w0);
+  vstore16(w.w1, 0, rows->w1);
 }
 
-float sum_of(float16 v) {
-  const float8 a = v.lo + v.hi;
-  const float4 b = a.lo + a.hi;
-  const float2 c = b.lo + b.hi;
-  return c.x + c.y;
-}
-
-// Σ C (k w0 w0 + x w1 w0 + y w0 w1) over a block of 16 columns and `rows` rows; g is taken at the end of the support that
-// lies deepest, so that no term is negative.
-float block_sum(__global const float* c, int stride, int rows, const Weights* wx, const RowWeights* wy, float4 g) {
-  float16 plain = 0, tilted = 0;
-  for (int j = 0; j < rows; ++j) {
+// Σ C (k w0 w0 + x w1 w0 + y w0 w1) over a block of 16 columns and `rows` rows, left in eight parts; g is taken at the end
+// of the support that lies deepest, so that its terms have one sign.
+INLINE float8 block_sum(__global const float* c, int stride, int rows, const Weights* wx, const RowWeights* wy, float4 g) {
+  float16 plain = 0, tilted = 0, plain_odd = 0, tilted_odd = 0;
+  int j = 0;
+  for (; j + 1 < rows; j += 2) {
+    const float16 row = vload16(0, c + j * stride), next = vload16(0, c + (j + 1) * stride);
+    plain += row * wy->w0[j];
+    tilted += row * wy->w1[j];
+    plain_odd += next * wy->w0[j + 1];
+    tilted_odd += next * wy->w1[j + 1];
+  }
+  if (j < rows) {
     const float16 row = vload16(0, c + j * stride);
     plain += row * wy->w0[j];
     tilted += row * wy->w1[j];
   }
-  return sum_of(plain * (g.x * wx->w0 + g.y * wx->w1) + tilted * (g.z * wx->w0));
+  plain += plain_odd;
+  tilted += tilted_odd;
+  const float16 sum = plain * (g.x * wx->w0 + g.y * wx->w1) + tilted * (g.z * wx->w0);
+  return sum.lo + sum.hi;
 }
 
 // The pixel `number` of an axis as an interval of X within the support.
@@ -53,10 +55,10 @@ double2 interval(const ReceiverAxis* receiver, const CellAxis* axis, int number)
   return clamp((double2)(axis->low + number, axis->low + number + 1) / rate, -HALF, HALF);
 }
 
-// The same as block_sum where the horizon cuts the support, in double and pixel by pixel.
+// Σ C ∬ φφ max(0, g) where the horizon cuts the support: in double and pixel by pixel.
 void cut_sum(__global const float* c, const ClosedFormGeometry* geometry, const ReceiverAxis* x, const ReceiverAxis* y,
-             const CellAxis* ax, const CellAxis* ay, const HorizonPlane* g, double* total) {
-  const double scale = 1 / ((double)x->scale * y->scale);
+             const CellAxis* ax, const CellAxis* ay, const HorizonPlane* g, double sign, double8* total) {
+  const double scale = sign / ((double)x->scale * y->scale);
   for (int j = 0; j < ay->count; ++j) {
     const double2 v = interval(y, ay, j);
     for (int i = 0; i < ax->count; ++i) {
@@ -64,7 +66,7 @@ void cut_sum(__global const float* c, const ClosedFormGeometry* geometry, const 
       if (highest(g, r) <= 0) continue;
       const double weight = scale * clipped_integral(g, r);
       for (int channel = 0; channel < CHANNELS; ++channel)
-        total[channel] += weight * c[channel * geometry->plane + j * geometry->stride + i];
+        total[channel].s0 += weight * c[channel * geometry->plane + j * geometry->stride + i];
     }
   }
 }
@@ -87,49 +89,51 @@ __kernel void closed_form_add(const ClosedFormGeometry geometry, __global const 
   const double factor =
       separation * separation * geometry.spacing_x * geometry.spacing_y / (z * z * z) * ((double)x.scale * y.scale);
 
-  double sum[CHANNELS];
+  double8 sum[CHANNELS];
   for (int channel = 0; channel < CHANNELS; ++channel) sum[channel] = 0;
   CellAxis ay;
   RowWeights wy;
-  double row_u = NAN;     // of ay
-  int row_start = -1;     // of wy
-  for (int m = 0; m < geometry.cells; ++m) {
+  double row_u = NAN;  // of ay
+  int row_start = -1;  // of wy
+  for (int m = geometry.first_cell; m < geometry.first_cell + geometry.cells; ++m) {
     // Above, below or across the horizon.
     const ClosedFormCell cell = cells[m];
     const double k = receiver.n_x * (cell.u_x - receiver.p_x) + receiver.n_y * (cell.u_y - receiver.p_y) - receiver.n_z * z;
     if (k + span <= 0) continue;
 
     // The pixels seen; rows are shared by the cells of a row of the grid.
-    const CellAxis ax = cell_axis(&x, cell.u_x, geometry.corner_x, geometry.pixel_x, geometry.width);
     if (cell.u_y != row_u) {
       ay = cell_axis(&y, cell.u_y, geometry.corner_y, geometry.pixel_y, geometry.height);
       row_u = cell.u_y;
       row_start = -1;
     }
-    if (ax.count <= 0 || ay.count <= 0) continue;
+    if (ay.count <= 0) continue;
+    const CellAxis ax = cell_axis(&x, cell.u_x, geometry.corner_x, geometry.pixel_x, geometry.width);
+    if (ax.count <= 0) continue;
     __global const float* c =
         images + (size_t)cell.image * geometry.plane + (size_t)ay.first * geometry.stride + ax.first;
 
-    double total[CHANNELS];
-    for (int channel = 0; channel < CHANNELS; ++channel) total[channel] = 0;
     if (k - span < 0) {
       const HorizonPlane g = {k, slope_x, slope_y};
-      cut_sum(c, &geometry, &x, &y, &ax, &ay, &g, total);
-    } else {
-      const float4 g = (float4)((float)(k - span), (float)fabs(slope_x), (float)fabs(slope_y), 0);
-      for (int i = 0; i < ax.count; i += BLOCK) {
-        const Weights wx = weights(&x, &ax, i, slope_x >= 0);
-        for (int j = 0; j < ay.count; j += BLOCK) {
-          if (j != row_start) wy = row_weights(&y, &ay, row_start = j, slope_y >= 0);
-          for (int channel = 0; channel < CHANNELS; ++channel)
-            total[channel] += block_sum(c + channel * geometry.plane + j * geometry.stride + i, geometry.stride,
-                                        min(BLOCK, ay.count - j), &wx, &wy, g);
-        }
+      cut_sum(c, &geometry, &x, &y, &ax, &ay, &g, cell.sign, sum);
+      continue;
+    }
+    const float sign = (float)cell.sign;
+    const float4 g = (float4)(sign * (float)(k - span), sign * (float)fabs(slope_x), sign * (float)fabs(slope_y), 0);
+    for (int i = 0; i < ax.count; i += BLOCK) {
+      const Weights wx = weights(&x, &ax, i, slope_x >= 0);
+      for (int j = 0; j < ay.count; j += BLOCK) {
+        if (j != row_start) row_weights(&y, &ay, row_start = j, slope_y >= 0, &wy);
+        for (int channel = 0; channel < CHANNELS; ++channel)
+          sum[channel] += convert_double8(block_sum(c + channel * geometry.plane + j * geometry.stride + i, geometry.stride,
+                                                    min(BLOCK, ay.count - j), &wx, &wy, g));
       }
     }
-    for (int channel = 0; channel < CHANNELS; ++channel) sum[channel] += cell.sign * total[channel];
   }
-  for (int channel = 0; channel < CHANNELS; ++channel) sums[(size_t)id * CHANNELS + channel] += factor * sum[channel];
+  for (int channel = 0; channel < CHANNELS; ++channel) {
+    const double4 four = sum[channel].lo + sum[channel].hi;
+    sums[(size_t)id * CHANNELS + channel] += factor * ((four.x + four.y) + (four.z + four.w));
+  }
 }
 
 // Sizes and offsets of the shared structs as the device lays them out, for a test.

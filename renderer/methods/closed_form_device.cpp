@@ -46,6 +46,7 @@ struct ClosedFormDevice::Impl {
   Status take_receivers(const std::vector<ClosedFormReceiver>& all);
   Status add(std::span<const BatchCell> all);
   Status upload(std::span<const BatchCell> batch);
+  Status run(std::span<const BatchCell> batch);
 };
 
 ClosedFormDevice::ClosedFormDevice(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -80,6 +81,8 @@ Result<std::unique_ptr<ClosedFormDevice>> ClosedFormDevice::create(const Luminai
                   m.height_px,
                   static_cast<int>(stride),
                   static_cast<int>(plane),
+                  0,
+                  0,
                   0,
                   0};
 
@@ -168,6 +171,25 @@ Status ClosedFormDevice::Impl::upload(std::span<const BatchCell> batch) {
   return device->write(cells, 0, bytes_of(table));
 }
 
+/// One run for each row of the grid: its cells share the weights of their rows, and the pixels that neighbouring
+/// receivers see of them stay in the nearest cache.
+Status ClosedFormDevice::Impl::run(std::span<const BatchCell> batch) {
+  kernel.set(1, receivers);
+  kernel.set(2, cells);
+  kernel.set(3, images);
+  kernel.set(4, sums);
+  for (std::size_t begin = 0, end = 0; begin < batch.size(); begin = end) {
+    while (end < batch.size() && batch[end].index.row == batch[begin].index.row) ++end;
+    shared.first_cell = static_cast<int>(begin);
+    shared.cells = static_cast<int>(end - begin);
+    kernel.set(0, shared);
+    const auto seconds = device->run(kernel, static_cast<std::size_t>(shared.receivers), work_group);
+    if (!seconds) return tl::unexpected(seconds.error());
+    last_kernel_s += *seconds;
+  }
+  return {};
+}
+
 Status ClosedFormDevice::Impl::add(std::span<const BatchCell> all) {
   for (const BatchCell& each : all)
     if (auto good = check(each.index, *each.image); !good) return good;
@@ -179,15 +201,7 @@ Status ClosedFormDevice::Impl::add(std::span<const BatchCell> all) {
   for (std::size_t begin = 0; begin < all.size(); begin += fit) {
     const auto batch = all.subspan(begin, std::min(fit, all.size() - begin));
     if (auto uploaded = upload(batch); !uploaded) return uploaded;
-    shared.cells = static_cast<int>(batch.size());
-    kernel.set(0, shared);
-    kernel.set(1, receivers);
-    kernel.set(2, cells);
-    kernel.set(3, images);
-    kernel.set(4, sums);
-    const auto seconds = device->run(kernel, static_cast<std::size_t>(shared.receivers), work_group);
-    if (!seconds) return tl::unexpected(seconds.error());
-    last_kernel_s += *seconds;
+    if (auto ran = run(batch); !ran) return ran;
   }
   return {};
 }

@@ -13,7 +13,8 @@ typedef struct ClosedFormGeometry {
   int stride;         ///< floats from row to row; what follows a row's pixels is 0 for at least one vector
   int plane;          ///< floats from channel to channel
   int receivers;
-  int cells;
+  int first_cell, cells;  ///< of the table, in this run
+  int reserved;
 } ClosedFormGeometry;
 
 typedef struct ClosedFormReceiver {
@@ -30,8 +31,8 @@ typedef struct ClosedFormCell {
 #ifndef __OPENCL_C_VERSION__
 #include <cstddef>
 static_assert(sizeof(double) == 8 && sizeof(int) == 4);
-static_assert(sizeof(ClosedFormGeometry) == 80 && offsetof(ClosedFormGeometry, corner_x) == 24 &&
-              offsetof(ClosedFormGeometry, width) == 56 && offsetof(ClosedFormGeometry, cells) == 76);
+static_assert(sizeof(ClosedFormGeometry) == 88 && offsetof(ClosedFormGeometry, corner_x) == 24 &&
+              offsetof(ClosedFormGeometry, width) == 56 && offsetof(ClosedFormGeometry, cells) == 80);
 static_assert(sizeof(ClosedFormReceiver) == 48 && offsetof(ClosedFormReceiver, n_z) == 40);
 static_assert(sizeof(ClosedFormCell) == 32 && offsetof(ClosedFormCell, sign) == 16 &&
               offsetof(ClosedFormCell, image) == 24);
