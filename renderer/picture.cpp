@@ -6,6 +6,8 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStdIO.h>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <png.h>
 #include <string_view>
@@ -18,8 +20,19 @@ namespace {
 double luminance(const float* rgb) { return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]; }
 
 /// IEC 61966-2-1, 0 … 1.
-double srgb_encode(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+double srgb_decode(double encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+/// The radiance from which on each code 1 … 255 shows: the tone curve backwards at the codes' rounding borders. A
+/// look-up among them costs half of the curve forwards.
+std::array<double, 255> code_thresholds(double exposure, double average) {
+  std::array<double, 255> thresholds{};
+  for (std::size_t k = 0; k < thresholds.size(); ++k) {
+    const double v = srgb_decode((static_cast<double>(k) + 0.5) / 255);
+    thresholds[k] = -std::log1p(-v) * average / exposure;
+  }
+  return thresholds;
 }
 
 Status size_status(int width_px, int height_px, std::size_t values, const std::filesystem::path& file) {
@@ -54,10 +67,12 @@ double average_luminance(const Picture& picture) {
 Picture8 tone_map(const Picture& picture, const ToneCurve& curve) {
   const double average = curve.white > 0 ? curve.white : average_luminance(picture);
   Picture8 mapped{picture.width_px, picture.height_px, std::vector<std::uint8_t>(picture.rgb.size(), 0)};
-  if (!(average > 0)) return mapped;
+  if (!(average > 0 && curve.exposure > 0)) return mapped;
+  const std::array<double, 255> thresholds = code_thresholds(curve.exposure, average);
   for (std::size_t i = 0; i < picture.rgb.size(); ++i) {
-    const double v = -std::expm1(-curve.exposure * picture.rgb[i] / average);
-    if (v > 0) mapped.srgb[i] = static_cast<std::uint8_t>(std::lround(255 * srgb_encode(v)));
+    const double radiance = picture.rgb[i];
+    if (!(radiance > 0)) continue;
+    mapped.srgb[i] = static_cast<std::uint8_t>(std::ranges::upper_bound(thresholds, radiance) - thresholds.begin());
   }
   return mapped;
 }
