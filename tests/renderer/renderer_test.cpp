@@ -1,0 +1,235 @@
+#include "renderer/renderer.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <random>
+
+#include "renderer/methods/closed_form.h"
+#include "renderer/opengl/gbuffer.h"
+#include "renderer/scene/mesh.h"
+
+namespace lumifield {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+constexpr int width = 40, height = 30;
+
+LuminaireGeometry geometry_of(std::vector<std::string> channels) {
+  LuminaireGeometry g;
+  g.planes.separation_mm = 150;
+  g.sampling = {BasisKind::bell, {7.5, 6}, 3, 2, {1, -2}};
+  g.measurement = {40, 30, {6, 6}, {3, 1}};
+  g.channels = std::move(channels);
+  g.quantity = Quantity::radiance;
+  return g;
+}
+
+std::shared_ptr<const CellImage> image_of(const LuminaireGeometry& g, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform(-0.1F, 1);
+  CellImage image;
+  image.width_px = g.measurement.width_px;
+  image.height_px = g.measurement.height_px;
+  image.channels = static_cast<int>(g.channels.size());
+  image.value.resize(image.plane() * g.channels.size());
+  for (float& v : image.value) v = uniform(random);
+  return std::make_shared<const CellImage>(std::move(image));
+}
+
+LightField light_field_of(const LuminaireGeometry& g) {
+  LightField field(g);
+  for (int k = 0; k < g.sampling.cells(); ++k)
+    EXPECT_TRUE(field.add(g.sampling.index(k), image_of(g, static_cast<unsigned>(k) + 1)));
+  return field;
+}
+
+/// A rotation about a slanted axis, then a shift.
+Pose pose_of(double angle, const Vec3& axis, const Vec3& shift) {
+  Pose pose = Pose::Identity();
+  pose.topLeftCorner<3, 3>() = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+  pose.topRightCorner<3, 1>() = shift;
+  return pose;
+}
+
+/// Largest difference of two pictures over the largest value.
+double difference(const Picture& a, const Picture& b) {
+  EXPECT_EQ(a.rgb.size(), b.rgb.size());
+  EXPECT_EQ(a.coverage, b.coverage);
+  double most = 0, apart = 0;
+  for (std::size_t i = 0; i < std::min(a.rgb.size(), b.rgb.size()); ++i) {
+    most = std::max(most, static_cast<double>(std::abs(a.rgb[i])));
+    apart = std::max(apart, static_cast<double>(std::abs(a.rgb[i] - b.rgb[i])));
+  }
+  EXPECT_GT(most, 0);
+  return apart / most;
+}
+
+/// A floor and a wall, 700 mm before lamps that shine down and aside.
+class RendererTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (const auto gl = probe_opengl(); !gl) GTEST_SKIP() << gl.error().message();
+    if (const auto cl = probe_opencl(); !cl) GTEST_SKIP() << cl.error().message();
+    std::string path = (fs::temp_directory_path() / "renderer_test_XXXXXX").string();
+    ASSERT_NE(mkdtemp(path.data()), nullptr);
+    folder_ = path;
+    std::ofstream(folder_ / "room.mtl") << "newmtl floor\nKd 0.5 0.25 0.75\nnewmtl wall\nKd 0.8 0.8 0.8\n";
+    std::ofstream(folder_ / "room.obj")
+        << "mtllib room.mtl\nv -800 -500 0\nv 800 -500 0\nv 800 700 0\nv -800 700 0\nv -800 700 500\nv 800 700 500\n"
+           "usemtl floor\nf 1 2 3 4\nusemtl wall\nf 4 3 6 5\n";
+    scene_.mesh = folder_ / "room.obj";
+    scene_.camera.position_mm = {300, -1200, 900};
+    scene_.camera.target_mm = {0, 200, 150};
+    scene_.luminaires = {{pose_of(2.6, {1, 0.2, 0}, {50, 100, 700}), 1}};
+  }
+  void TearDown() override {
+    if (!folder_.empty()) fs::remove_all(folder_);
+  }
+  std::unique_ptr<Renderer> renderer_of(const Scene& scene, const LuminaireGeometry& geometry) {
+    auto renderer = Renderer::create(scene, width, height);
+    EXPECT_TRUE(renderer) << renderer.error().message();
+    const Status set = (*renderer)->set_luminaire(geometry);
+    EXPECT_TRUE(set) << set.error().message();
+    return std::move(*renderer);
+  }
+  Picture fresh(const Scene& scene, const LightField& field) {
+    auto renderer = renderer_of(scene, field.geometry());
+    const Status added = renderer->add_all(field);
+    EXPECT_TRUE(added) << added.error().message();
+    return *renderer->picture();
+  }
+  /// The picture by the host's closed form at the G-buffer's positions.
+  Picture expected(const LightField& field);
+
+  fs::path folder_;
+  Scene scene_;
+};
+
+Picture RendererTest::expected(const LightField& field) {
+  const ClosedForm closed_form(field);
+  const auto mesh = read_mesh(scene_.mesh);
+  auto context = EglContext::create();
+  const auto g = (*GBufferPass::create(**context, *mesh))->draw(scene_.camera, width, height);
+  Picture picture{width, height, std::vector<float>(3 * width * height), std::vector<float>(width * height), {}};
+  for (std::size_t i = 0; i < picture.coverage.size(); ++i) {
+    picture.coverage[i] = g->position[4 * i + 3];
+    if (picture.coverage[i] == 0) continue;
+    std::array<double, 3> sum{};
+    for (const ScenePlacement& placement : scene_.luminaires) {
+      const Pose inverse = placement.pose.inverse();
+      const Vec3 p(g->position[4 * i], g->position[4 * i + 1], g->position[4 * i + 2]);
+      const Vec3 n(g->normal[4 * i], g->normal[4 * i + 1], g->normal[4 * i + 2]);
+      const auto e = closed_form.irradiance({transform_point(inverse, p), transform_direction(inverse, n)});
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += placement.scale * e[e.size() == 3 ? c : 0];
+    }
+    const Material& material = mesh->materials[static_cast<std::size_t>(g->normal[4 * i + 3])];
+    for (std::size_t c = 0; c < 3; ++c)
+      picture.rgb[3 * i + c] = static_cast<float>(material.diffuse[c] * sum[c] / std::numbers::pi);
+  }
+  return picture;
+}
+
+TEST_F(RendererTest, EveryPixelIsTheClosedFormsAtItsPosition) {
+  for (const auto& channels : {std::vector<std::string>{"Y"}, std::vector<std::string>{"R", "G", "B"}}) {
+    LightField one(geometry_of(channels));
+    ASSERT_TRUE(one.add({1, 2}, image_of(one.geometry(), 3)));
+    const Picture picture = fresh(scene_, one);
+    EXPECT_LT(difference(expected(one), picture), 1e-5);
+    EXPECT_THAT(picture.coverage, Contains(0.0F)) << "the view has a background";
+    for (std::size_t i = 0; i < picture.rgb.size(); ++i)
+      EXPECT_TRUE(picture.coverage[i / 3] > 0 || picture.rgb[i] == 0);
+    EXPECT_THAT(picture.note, HasSubstr("no shadows"));
+  }
+}
+
+TEST_F(RendererTest, PlacementsAddUpWithTheirScales) {
+  scene_.luminaires.push_back({pose_of(-2.2, {1, 0.1, 0.3}, {-300, -200, 650}), 2.5});
+  const LightField field = light_field_of(geometry_of({"R", "G", "B"}));
+  EXPECT_LT(difference(expected(field), fresh(scene_, field)), 1e-5);
+}
+
+TEST_F(RendererTest, TheOrderOfCellsDoesNotMatter) {
+  const LightField field = light_field_of(geometry_of({"Y"}));
+  auto renderer = renderer_of(scene_, field.geometry());
+  for (int k = field.geometry().sampling.cells() - 1; k >= 0; --k) {
+    const CellIndex cell = field.geometry().sampling.index(k);
+    const Status added = renderer->add_cell(cell, field.cell(cell));
+    ASSERT_TRUE(added) << added.error().message();
+    EXPECT_GT(renderer->last_kernel_s(), 0);
+  }
+  EXPECT_LT(difference(fresh(scene_, field), *renderer->picture()), 1e-6);
+}
+
+TEST_F(RendererTest, AReplacedCellLooksAsIfItHadAlwaysBeenSo) {
+  LightField field = light_field_of(geometry_of({"Y"}));
+  auto renderer = renderer_of(scene_, field.geometry());
+  ASSERT_TRUE(renderer->add_all(field));
+  const Picture before = *renderer->picture();
+  const auto retake = image_of(field.geometry(), 99);
+  ASSERT_TRUE(field.add({0, 1}, retake));
+  ASSERT_TRUE(renderer->add_cell({0, 1}, retake));
+  const Picture after = *renderer->picture();
+  EXPECT_GT(difference(before, after), 1e-3);
+  EXPECT_LT(difference(fresh(scene_, field), after), 1e-6);
+}
+
+TEST_F(RendererTest, AChangedViewLooksLikeAFreshOne) {
+  const LightField field = light_field_of(geometry_of({"Y"}));
+  auto renderer = renderer_of(scene_, field.geometry());
+  ASSERT_TRUE(renderer->add_all(field));
+  scene_.camera.position_mm = {-500, -900, 700};
+  ASSERT_TRUE(renderer->set_view(scene_.camera, width, height));
+  EXPECT_EQ(difference(fresh(scene_, field), *renderer->picture()), 0);
+
+  // A view that is refused leaves the picture as it was; another size is a view too.
+  EXPECT_FALSE(renderer->set_view(scene_.camera, 0, height));
+  EXPECT_EQ(difference(fresh(scene_, field), *renderer->picture()), 0);
+  ASSERT_TRUE(renderer->set_view(scene_.camera, 17, 11));
+  EXPECT_EQ(renderer->picture()->rgb.size(), 3U * 17 * 11);
+
+  // Another luminaire starts from nothing.
+  ASSERT_TRUE(renderer->set_luminaire(field.geometry()));
+  const Picture nothing = *renderer->picture();
+  EXPECT_THAT(nothing.rgb, testing::Each(0.0F));
+}
+
+TEST_F(RendererTest, RefusesWhatDoesNotFit) {
+  const LuminaireGeometry geometry = geometry_of({"Y"});
+  auto bare = Renderer::create(scene_, width, height);
+  ASSERT_TRUE(bare);
+  EXPECT_THAT(bare.value()->picture().error().message(), HasSubstr("no luminaire is set"));
+  EXPECT_THAT(bare.value()->info().notes, Contains(HasSubstr("no shadows")));
+  EXPECT_THAT(bare.value()->info().opengl, HasSubstr("OpenGL"));
+  EXPECT_NE(bare.value()->info().opencl, "");
+  auto renderer = renderer_of(scene_, geometry);
+  EXPECT_THAT(renderer->add_cell({2, 0}, image_of(geometry, 1)).error().message(), HasSubstr("cell (2, 0)"));
+  EXPECT_THAT(renderer->add_cell({0, 0}, image_of(geometry_of({"R", "G", "B"}), 1)).error().message(),
+              HasSubstr("cell (0, 0)"));
+  EXPECT_FALSE(renderer->add_cell({0, 0}, nullptr));
+  LuminaireGeometry other = geometry;
+  other.sampling.spacing_mm.x() += 1;
+  EXPECT_THAT(renderer->add_all(light_field_of(other)).error().message(), HasSubstr("another luminaire"));
+  EXPECT_FALSE(renderer->set_luminaire(geometry_of({"Y", "Z"})));
+
+  Scene broken = scene_;
+  broken.luminaires.clear();
+  EXPECT_THAT(Renderer::create(broken, width, height).error().message(), HasSubstr("no luminaire is placed"));
+  broken = scene_;
+  broken.luminaires[0].pose(0, 0) *= -1;
+  EXPECT_THAT(Renderer::create(broken, width, height).error().message(), HasSubstr("luminaires[0]: the pose"));
+  broken = scene_;
+  broken.mesh = folder_ / "absent.obj";
+  EXPECT_THAT(Renderer::create(broken, width, height).error().message(), HasSubstr("absent.obj: no such file"));
+}
+
+}  // namespace
+}  // namespace lumifield
