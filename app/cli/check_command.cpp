@@ -1,0 +1,110 @@
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/commands.h"
+#include "luminaire/bench.h"
+#include "luminaire/dataset.h"
+#include "luminaire/plan.h"
+#include "luminaire/scene.h"
+
+namespace lumifield {
+
+namespace {
+
+struct Finding {
+  std::string path, kind;
+  std::vector<std::string> problems, notes;
+  std::string detail;
+};
+
+Finding check_folder(const std::string& path) {
+  Finding finding{path, "dataset", {}, {}, {}};
+  Result<CheckReport> report = check_dataset(path);
+  if (!report) {
+    finding.problems.push_back(report.error().message());
+    return finding;
+  }
+  finding.problems = report->problems;
+  finding.notes = report->notes;
+  finding.detail =
+      std::to_string(report->coverage.measured) + " of " + std::to_string(report->coverage.total) + " cells";
+  return finding;
+}
+
+/// The file's own "format", empty when it cannot be told.
+Result<std::string> format_of(const std::string& path) {
+  constexpr std::uintmax_t largest_bytes = 64u << 20;
+  std::error_code wrong;
+  const auto bytes = std::filesystem::file_size(path, wrong);
+  if (wrong) return fail("cannot be read: " + wrong.message(), path, "check the path");
+  if (bytes > largest_bytes) return fail("is larger than any bench, plan or scene", path, "check the path");
+  std::ifstream stream(path);
+  const auto json = nlohmann::json::parse(stream, nullptr, false);
+  if (!json.is_object() || !json.contains("format") || !json["format"].is_string())
+    return fail("is no JSON object with a \"format\"", path, "name a dataset folder, a bench, a plan or a scene");
+  return json["format"].get<std::string>();
+}
+
+template <class T>
+void take(Finding& finding, const Result<T>& read) {
+  if (!read) {
+    finding.problems.push_back(read.error().message());
+    return;
+  }
+  if constexpr (requires { to_json(*read); }) finding.detail = "read, with its defaults, as " + to_json(*read);
+}
+
+Finding check_file(const std::string& path) {
+  Finding finding{path, "file", {}, {}, {}};
+  const Result<std::string> format = format_of(path);
+  if (!format) {
+    finding.problems.push_back(format.error().message());
+    return finding;
+  }
+  finding.kind = *format;
+  if (*format == "lumifield-bench")
+    take(finding, read_bench(path));
+  else if (*format == "lumifield-plan")
+    take(finding, read_plan(path));
+  else if (*format == "lumifield-scene")
+    take(finding, read_scene(path));
+  else
+    finding.problems.push_back(
+        Error{"format '" + *format + "' is not known", path, "name a dataset folder, a bench, a plan or a scene"}
+            .message());
+  return finding;
+}
+
+void print(const Finding& finding) {
+  std::printf("%s: %s%s%s\n", finding.path.c_str(), finding.problems.empty() ? "sound" : "NOT sound",
+              finding.detail.empty() ? "" : ", ", finding.detail.c_str());
+  for (const std::string& problem : finding.problems) std::printf("  problem: %s\n", problem.c_str());
+  for (const std::string& note : finding.notes) std::printf("  note: %s\n", note.c_str());
+}
+
+}  // namespace
+
+int run_check(const CheckOptions& options) {
+  bool sound = true;
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const std::string& path : options.paths) {
+    const Finding finding = std::filesystem::is_directory(path) ? check_folder(path) : check_file(path);
+    sound = sound && finding.problems.empty();
+    if (!options.json) print(finding);
+    list.push_back({{"path", finding.path},
+                    {"kind", finding.kind},
+                    {"sound", finding.problems.empty()},
+                    {"problems", finding.problems},
+                    {"notes", finding.notes},
+                    {"detail", finding.detail}});
+  }
+  if (options.json)
+    std::printf("%s\n", nlohmann::ordered_json{{"sound", sound}, {"checked", list}}
+                            .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)
+                            .c_str());
+  return sound ? exit_done : exit_failed;
+}
+
+}  // namespace lumifield

@@ -1,0 +1,132 @@
+#include "app/cli/command_line.h"
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <charconv>
+#include <cstdio>
+#include <exception>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/commands.h"
+
+namespace lumifield {
+
+int report_error(const Error& error, bool json) {
+  std::fprintf(stderr, "lumifield: %s\n", error.message().c_str());
+  if (json) {
+    const nlohmann::ordered_json object{
+        {"error", {{"what", error.what}, {"where", error.where}, {"remedy", error.remedy}}}};
+    std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  }
+  return exit_failed;
+}
+
+Result<std::pair<int, int>> parse_size(const std::string& text) {
+  constexpr int largest = 16384;
+  int width = 0, height = 0;
+  const char* end = text.data() + text.size();
+  auto [after, wrong] = std::from_chars(text.data(), end, width);
+  if (wrong == std::errc() && after != end && *after == 'x') {
+    auto [last, bad] = std::from_chars(after + 1, end, height);
+    if (bad == std::errc() && last == end && width >= 1 && height >= 1 && width <= largest && height <= largest)
+      return std::pair(width, height);
+  }
+  return fail("'" + text + "' is not a picture size", "--size", "write WIDTHxHEIGHT, each 1 to 16384, as in 1024x768");
+}
+
+namespace {
+
+void add_scan(CLI::App& app, ScanOptions& o) {
+  CLI::App* scan = app.add_subcommand("scan", "Scan a lamp without a window");
+  scan->add_option("--bench", o.bench, "Bench file")->envname("LUMIFIELD_BENCH")->required();
+  scan->add_option("--plan", o.plan, "Plan file")->required();
+  scan->add_option("--out", o.out, "Dataset folder to make, NAME.lumi")->required();
+  scan->add_flag("--resume", o.resume, "Go on with a dataset that is there");
+  scan->add_option("--preview", o.preview, "Scene file: pictures of it are made after 5, 50 and 100 % of the cells");
+  scan->add_option("--pictures", o.pictures, "Folder for these pictures (default: beside the dataset)");
+  scan->add_option("--size", o.size, "Size of these pictures")->capture_default_str();
+  scan->add_flag("--json", o.json, "Print the summary as one JSON object");
+}
+
+void add_render(CLI::App& app, RenderOptions& o) {
+  CLI::App* render = app.add_subcommand("render", "Render one picture of a scene lit by a luminaire");
+  render->add_option("--luminaire", o.luminaire, "Dataset folder")->required();
+  render->add_option("--scene", o.scene, "Scene file")->required();
+  render->add_option("--method", o.method, "closed-form")->capture_default_str();
+  render->add_option("--size", o.size, "Picture size")->capture_default_str();
+  render->add_option("--exposure", o.exposure, "Exposure of the tone curve (PNG)")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  render->add_option("--white", o.white, "Radiance that the tone curve takes as average; 0: the picture's own")
+      ->check(CLI::NonNegativeNumber);
+  render->add_option("--out", o.out, "FILE.exr (linear radiance) or FILE.png (tone-mapped)")->required();
+  render->add_flag("--json", o.json, "Print the figures as one JSON object");
+}
+
+void add_probe(CLI::App& app, ProbeOptions& o) {
+  CLI::App* probe = app.add_subcommand("probe", "Irradiance at points");
+  probe->add_option("--luminaire", o.luminaire, "Dataset folder")->required();
+  probe->add_option("--points", o.points, "CSV with columns x_mm,y_mm,z_mm,nx,ny,nz in the luminaire frame")
+      ->required();
+  probe->add_option("--method", o.method, "closed-form")->capture_default_str();
+  probe->add_option("--device", o.device, "host (double precision) or opencl")
+      ->check(CLI::IsMember({"host", "opencl"}))
+      ->capture_default_str();
+  probe->add_option("--out", o.out, "CSV to write: the same points with a column E_<channel> each")->required();
+  probe->add_flag("--json", o.json, "Print the figures as one JSON object");
+}
+
+void add_check(CLI::App& app, CheckOptions& o) {
+  CLI::App* check = app.add_subcommand("check", "Check datasets (every file, every number), benches, plans and scenes");
+  check->add_option("paths", o.paths, "Dataset folders and JSON files")->required();
+  check->add_flag("--json", o.json, "Print the findings as one JSON object");
+}
+
+void add_devices(CLI::App& app, DevicesOptions& o) {
+  CLI::App* devices =
+      app.add_subcommand("devices", "List cameras, stages, OpenCL and OpenGL; for each not usable, why");
+  devices->add_option("--stage", o.stage_path, "Serial port to try as well");
+  devices->add_flag("--json", o.json, "Print the list as one JSON object");
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Lumifield scans lamps into light field luminaires and shows how they light a scene.", "lumifield");
+  app.set_version_flag("--version", "lumifield " LUMIFIELD_VERSION);
+  app.require_subcommand(1);
+  ScanOptions scan;
+  RenderOptions render;
+  ProbeOptions probe;
+  CheckOptions check;
+  DevicesOptions devices;
+  add_scan(app, scan);
+  add_render(app, render);
+  add_probe(app, probe);
+  add_check(app, check);
+  add_devices(app, devices);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? exit_done : exit_wrong_use;
+  }
+  if (app.got_subcommand("scan")) return run_scan(scan);
+  if (app.got_subcommand("render")) return run_render(render);
+  if (app.got_subcommand("probe")) return run_probe(probe);
+  if (app.got_subcommand("check")) return run_check(check);
+  return run_devices(devices);
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return report_error({"not enough memory for this", "", "use smaller images or a smaller picture"}, false);
+  } catch (const std::exception& error) {
+    return report_error({std::string("unexpected failure: ") + error.what(), "", "please report it"}, false);
+  }
+}
+
+}  // namespace lumifield

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "luminaire/error.h"
+
+namespace lumifield {
+
+enum ExitCode { exit_done = 0, exit_failed = 1, exit_wrong_use = 2, exit_stopped = 3 };
+
+/// Prints an error to stderr, with --json as {"error": …} to stdout too. Returns exit_failed.
+int report_error(const Error& error, bool json);
+
+struct ScanOptions {
+  std::string bench, plan, out, preview, pictures;
+  std::string size = "1024x768";
+  bool resume = false, json = false;
+};
+int run_scan(const ScanOptions& options);
+
+struct RenderOptions {
+  std::string luminaire, scene, method = "closed-form", size = "1024x768", out;
+  double exposure = 1, white = 0;
+  bool json = false;
+};
+int run_render(const RenderOptions& options);
+
+struct ProbeOptions {
+  std::string luminaire, points, method = "closed-form", device = "host", out;
+  bool json = false;
+};
+int run_probe(const ProbeOptions& options);
+
+struct CheckOptions {
+  std::vector<std::string> paths;
+  bool json = false;
+};
+int run_check(const CheckOptions& options);
+
+struct DevicesOptions {
+  std::string stage_path;
+  bool json = false;
+};
+int run_devices(const DevicesOptions& options);
+
+/// "1024x768" → width, height, each 1 … 16384.
+Result<std::pair<int, int>> parse_size(const std::string& text);
+
+}  // namespace lumifield

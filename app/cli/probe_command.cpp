@@ -1,0 +1,78 @@
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/commands.h"
+#include "app/cli/points_csv.h"
+#include "luminaire/dataset.h"
+#include "renderer/methods/closed_form.h"
+
+namespace lumifield {
+
+namespace {
+
+Result<std::vector<double>> probe_host(const LightField& light_field, const std::vector<Receiver>& points) {
+  const ClosedForm closed_form(light_field);
+  std::vector<double> irradiance;
+  for (const Receiver& point : points) {
+    const std::vector<double> e = closed_form.irradiance(point);
+    irradiance.insert(irradiance.end(), e.begin(), e.end());
+  }
+  return irradiance;
+}
+
+Result<std::vector<double>> probe_opencl_device(const LightField& light_field, const std::vector<Receiver>& points) {
+  auto device = ClosedFormDevice::create(light_field.geometry());
+  if (!device) return tl::unexpected(device.error());
+  if (Status set = (*device)->set_receivers(points); !set) return tl::unexpected(set.error());
+  const Sampling& sampling = light_field.geometry().sampling;
+  for (int k = 0; k < sampling.cells(); ++k)
+    if (const auto image = light_field.cell(sampling.index(k)))
+      if (Status added = (*device)->add_cell(sampling.index(k), *image); !added) return tl::unexpected(added.error());
+  std::vector<double> irradiance;
+  if (Status read = (*device)->read(irradiance); !read) return tl::unexpected(read.error());
+  return irradiance;
+}
+
+Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
+  if (options.method != "closed-form")
+    return fail("'" + options.method + "' is not a method", "--method", "use closed-form");
+  auto points = read_points_csv(options.points);
+  if (!points) return tl::unexpected(points.error());
+  auto dataset = read_dataset(options.luminaire);
+  if (!dataset) return tl::unexpected(dataset.error());
+  for (const std::string& note : dataset->index.notes) std::fprintf(stderr, "lumifield: note: %s\n", note.c_str());
+  const Coverage coverage = dataset->light_field.coverage();
+  if (!coverage.complete())
+    std::fprintf(stderr, "lumifield: note: %d of %d cells are unmeasured and add nothing\n",
+                 coverage.total - coverage.measured, coverage.total);
+
+  const auto start = std::chrono::steady_clock::now();
+  auto irradiance = options.device == "opencl" ? probe_opencl_device(dataset->light_field, *points)
+                                               : probe_host(dataset->light_field, *points);
+  if (!irradiance) return tl::unexpected(irradiance.error());
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  const LuminaireGeometry& geometry = dataset->light_field.geometry();
+  if (Status written = write_points_csv(options.out, *points, geometry.channels, *irradiance); !written)
+    return tl::unexpected(written.error());
+  return nlohmann::ordered_json{{"points", points->size()},   {"method", options.method},
+                                {"device", options.device},   {"unit", irradiance_unit_of(geometry.quantity)},
+                                {"cells", coverage.measured}, {"cells_total", coverage.total},
+                                {"time_s", seconds},          {"out", options.out}};
+}
+
+}  // namespace
+
+int run_probe(const ProbeOptions& options) {
+  const auto result = probe(options);
+  if (!result) return report_error(result.error(), options.json);
+  if (options.json)
+    std::printf("%s\n", result->dump().c_str());
+  else
+    std::printf("%s: irradiance of %d points in %s, %.3f s\n", options.out.c_str(), (*result)["points"].get<int>(),
+                (*result)["unit"].get<std::string>().c_str(), (*result)["time_s"].get<double>());
+  return exit_done;
+}
+
+}  // namespace lumifield

@@ -1,0 +1,75 @@
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/commands.h"
+#include "luminaire/dataset.h"
+#include "luminaire/scene.h"
+#include "renderer/renderer.h"
+
+namespace lumifield {
+
+namespace {
+
+Status write_picture(const Picture& picture, const RenderOptions& options) {
+  const std::filesystem::path out = options.out;
+  if (out.extension() == ".exr") return write_exr(picture, out);
+  return write_png(tone_map(picture, {options.exposure, options.white}), out);
+}
+
+Result<nlohmann::ordered_json> render(const RenderOptions& options) {
+  if (options.method != "closed-form")
+    return fail("'" + options.method + "' is not a method", "--method", "use closed-form");
+  const std::string extension = std::filesystem::path(options.out).extension().string();
+  if (extension != ".exr" && extension != ".png")
+    return fail("the picture's format is not known", "--out " + options.out, "end its name in .exr or .png");
+  const auto size = parse_size(options.size);
+  if (!size) return tl::unexpected(size.error());
+  auto scene = read_scene(options.scene);
+  if (!scene) return tl::unexpected(scene.error());
+  auto dataset = read_dataset(options.luminaire);
+  if (!dataset) return tl::unexpected(dataset.error());
+  for (const std::string& note : dataset->index.notes) std::fprintf(stderr, "lumifield: note: %s\n", note.c_str());
+
+  auto renderer = Renderer::create(*scene, size->first, size->second);
+  if (!renderer) return tl::unexpected(renderer.error());
+  const auto start = std::chrono::steady_clock::now();
+  if (Status set = (*renderer)->set_luminaire(dataset->light_field.geometry()); !set)
+    return tl::unexpected(set.error());
+  if (Status added = (*renderer)->add_all(dataset->light_field); !added) return tl::unexpected(added.error());
+  auto picture = (*renderer)->picture();
+  if (!picture) return tl::unexpected(picture.error());
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (Status written = write_picture(*picture, options); !written) return tl::unexpected(written.error());
+
+  const Coverage coverage = dataset->light_field.coverage();
+  const RendererInfo info = (*renderer)->info();
+  return nlohmann::ordered_json{{"out", options.out},
+                                {"method", options.method},
+                                {"width_px", size->first},
+                                {"height_px", size->second},
+                                {"cells", coverage.measured},
+                                {"cells_total", coverage.total},
+                                {"time_s", seconds},
+                                {"kernel_s", (*renderer)->last_kernel_s()},
+                                {"average_luminance", average_luminance(*picture)},
+                                {"shadows", false},
+                                {"opengl", info.opengl},
+                                {"opencl", info.opencl}};
+}
+
+}  // namespace
+
+int run_render(const RenderOptions& options) {
+  const auto result = render(options);
+  if (!result) return report_error(result.error(), options.json);
+  if (options.json)
+    std::printf("%s\n", result->dump().c_str());
+  else
+    std::printf("%s: %d of %d cells, without shadows, %.2f s\n", options.out.c_str(), (*result)["cells"].get<int>(),
+                (*result)["cells_total"].get<int>(), (*result)["time_s"].get<double>());
+  return exit_done;
+}
+
+}  // namespace lumifield

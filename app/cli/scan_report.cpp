@@ -1,0 +1,113 @@
+#include "app/cli/scan_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+namespace lumifield {
+
+namespace {
+
+std::string format(const char* pattern, ...) {
+  char text[512];
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text, sizeof text, pattern, arguments);
+  va_end(arguments);
+  return text;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double largest_drift(const ScanSummary& summary) {
+  double largest = 0;
+  for (const ReferenceReading& reading : summary.references)
+    if (std::abs(reading.drift) > std::abs(largest)) largest = reading.drift;
+  return largest;
+}
+
+std::string minutes(double seconds) {
+  const long s = std::lround(std::max(0.0, seconds));
+  return format("%ld:%02ld", s / 60, s % 60);
+}
+
+}  // namespace
+
+ProgressLine::ProgressLine() : terminal_(isatty(STDERR_FILENO) != 0) {}
+
+void ProgressLine::show(const ScanProgress& progress) {
+  const double share = progress.cells_total > 0 ? static_cast<double>(progress.cells_done) / progress.cells_total : 0;
+  const int tenth = static_cast<int>(share * 10);
+  if (!terminal_ && tenth == last_tenth_) return;
+  last_tenth_ = tenth;
+  constexpr int width = 30;
+  const int filled = static_cast<int>(share * width);
+  std::string bar(static_cast<std::size_t>(filled), '#');
+  bar.resize(width, '.');
+  std::fprintf(stderr, "%s[%s] %d of %d cells, %s elapsed, %s left, %-10s%s", terminal_ ? "\r" : "", bar.c_str(),
+               progress.cells_done, progress.cells_total, minutes(progress.elapsed_s).c_str(),
+               minutes(progress.left_s).c_str(), std::string(to_string(progress.state)).c_str(), terminal_ ? "" : "\n");
+  std::fflush(stderr);
+  open_ = terminal_;
+}
+
+void ProgressLine::say(const std::string& text) {
+  end();
+  std::fprintf(stderr, "%s\n", text.c_str());
+}
+
+void ProgressLine::end() {
+  if (open_) std::fputc('\n', stderr);
+  open_ = false;
+}
+
+std::string summary_text(const ScanSummary& s) {
+  const ScanTiming& t = s.timing;
+  std::string text = format("%s: %d of %d cells in %s\n", s.dataset.string().c_str(), s.coverage.measured,
+                            s.coverage.total, minutes(t.total_s).c_str());
+  text += format("  camera    %s\n  stage     %s\n", s.camera.c_str(), s.stage.c_str());
+  text +=
+      format("  time      move %.1f s, settle %.1f s, exposure %.1f s, readout %.1f s, waiting %.1f s, other %.1f s\n",
+             t.move_s, t.settle_s, t.exposure_s, t.readout_s, t.waiting_s, t.other_s);
+  text += format("  bench idle %.1f %% of the time\n", 100 * t.idle_share());
+  text += format("  per cell  develop %.0f ms, store %.0f ms, render %.0f ms (medians)\n",
+                 1e3 * median(s.times.develop_s), 1e3 * median(s.times.store_s), 1e3 * median(s.times.render_s));
+  text += format("  reference %zu readings, largest drift %+.3f %%\n", s.references.size(), 100 * largest_drift(s));
+  text +=
+      format("  quality   %d cells with warnings, %d frames taken again\n", s.cells_with_warnings, s.frames_retaken);
+  return text;
+}
+
+std::string summary_json(const ScanSummary& s) {
+  const ScanTiming& t = s.timing;
+  nlohmann::ordered_json json;
+  json["dataset"] = s.dataset.string();
+  json["cells"] = s.coverage.measured;
+  json["cells_total"] = s.coverage.total;
+  json["camera"] = s.camera;
+  json["stage"] = s.stage;
+  json["timing_s"] = {{"total", t.total_s},       {"move", t.move_s},       {"settle", t.settle_s},
+                      {"exposure", t.exposure_s}, {"readout", t.readout_s}, {"waiting", t.waiting_s},
+                      {"other", t.other_s}};
+  json["idle_share"] = t.idle_share();
+  json["median_s"] = {{"develop", median(s.times.develop_s)},
+                      {"store", median(s.times.store_s)},
+                      {"render", median(s.times.render_s)},
+                      {"kernel", median(s.times.kernel_s)}};
+  json["reference_drift"] = largest_drift(s);
+  json["frames_retaken"] = s.frames_retaken;
+  json["cells_with_warnings"] = s.cells_with_warnings;
+  json["opengl"] = s.opengl;
+  json["opencl"] = s.opencl;
+  return json.dump();
+}
+
+}  // namespace lumifield

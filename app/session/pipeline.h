@@ -1,0 +1,74 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "app/session/bounded_queue.h"
+#include "app/session/scan_session.h"
+#include "calibration/develop.h"
+#include "luminaire/raw_image.h"
+#include "renderer/renderer.h"
+
+namespace lumifield {
+
+/// The way of a cell through a session. Each stage below is one function from its input queue to its output queue, run
+/// by one thread; it closes its output when its input has ended, so that the end of the scan runs down the line by
+/// itself.
+
+struct DevelopedCell {
+  CellIndex cell;
+  CellImage image;
+  Vec2 stage_mm;
+};
+
+struct StoredCell {
+  CellEntry entry;
+  std::shared_ptr<const CellImage> image;
+};
+
+/// The queues and the one place where the first failure of any stage is kept. Thread-safe.
+class Pipeline {
+ public:
+  BoundedQueue<RawCell> raw{2};
+  BoundedQueue<DevelopedCell> developed{4};
+  BoundedQueue<StoredCell> stored{4};
+  BoundedQueue<SessionEvent> events{256};
+
+  /// Keeps the first error and asks the bench to stop.
+  void fail(Error error);
+  std::optional<Error> error() const;
+  void request_stop() { stop_.request_stop(); }
+  std::stop_token stop_token() const { return stop_.get_token(); }
+
+ private:
+  std::stop_source stop_;
+  mutable std::mutex mutex_;
+  std::optional<Error> error_;
+};
+
+/// What the bench thread finds out beside the cells.
+struct BenchOutcome {
+  ScanTiming timing;
+  std::vector<ReferenceReading> references;
+  std::string camera, stage;
+  int frames_retaken = 0;
+};
+
+/// Opens camera and stage, runs the scan, and lets go of them.
+void run_bench(const Bench& bench, const Plan& plan, const ScanPlan& steps, Pipeline& pipeline, BenchOutcome& outcome);
+
+void run_develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings);
+
+/// `failed` tells that the disk refused a cell: the dataset is left as it is, journal and all.
+void run_store(DatasetWriter& writer, Pipeline& pipeline, std::vector<double>& store_s, bool& failed);
+
+/// With a renderer: adds each cell and makes a picture when the next of `shares` of `total` cells is in; `already`
+/// cells were added before. Without one it lets the cells pass.
+void run_render(Renderer* renderer, int already, int total, const std::vector<double>& shares, Pipeline& pipeline,
+                std::vector<double>& render_s, std::vector<double>& kernel_s);
+
+}  // namespace lumifield

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "acquisition/scan/scanner.h"
+#include "app/session/bounded_queue.h"
+#include "luminaire/bench.h"
+#include "luminaire/dataset.h"
+#include "luminaire/plan.h"
+#include "luminaire/scene.h"
+#include "renderer/picture.h"
+
+namespace lumifield {
+
+/// What to scan, with what, and where to.
+struct ScanRequest {
+  Bench bench;
+  Plan plan;
+  std::filesystem::path out;  ///< NAME.lumi
+  bool resume = false;
+  std::string name;  ///< of the luminaire; empty = the folder's stem
+  std::optional<Scene> preview;
+  int preview_width_px = 1024, preview_height_px = 768;
+  std::vector<double> picture_shares;  ///< a picture is made when this share of the cells is in, 0 … 1
+};
+
+/// Where the session's own time went, seconds, one figure per cell.
+struct StageTimes {
+  std::vector<double> develop_s, store_s, render_s;
+  std::vector<double> kernel_s;
+};
+
+struct ScanSummary {
+  std::filesystem::path dataset;
+  Coverage coverage;
+  ScanTiming timing;
+  StageTimes times;
+  std::vector<ReferenceReading> references;
+  int frames_retaken = 0;
+  int cells_with_warnings = 0;
+  std::string camera, stage, opengl, opencl;
+};
+
+struct CellStored {
+  CellEntry entry;
+};
+struct PictureMade {
+  double share = 0;
+  int cells = 0;
+  Picture picture;
+};
+struct Notice {
+  std::string text;
+};
+using SessionEvent = std::variant<ScanProgress, CellStored, ReferenceReading, PictureMade, Notice>;
+
+/// One scan from photons to a durable dataset and a picture: four threads, joined by bounded queues.
+///
+///     bench (camera, stage) → 2 raw cells → develop → 4 cells → store (durable) → 4 cells → render → pictures
+///
+/// Everything is checked before anything moves. Cells are never dropped; progress events are when nobody takes them.
+/// `start` returns when the threads run; take events until they end, then `wait`. Thread-safe but for `wait`, called
+/// once.
+class ScanSession {
+ public:
+  /// Errors before anything moves: plan against bench, output folder, preview.
+  static Result<std::unique_ptr<ScanSession>> start(ScanRequest request);
+  /// Stops the scan and joins.
+  ~ScanSession();
+
+  /// The next event; empty when the session has ended.
+  std::optional<SessionEvent> next_event();
+  /// Halts the stage and ends; what is stored stays.
+  void stop();
+  /// Joins all threads. The Error of the first stage that failed, if one did.
+  Result<ScanSummary> wait();
+
+ private:
+  struct Impl;
+  explicit ScanSession(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The `what` of the Error of a scan that the operator stopped.
+inline constexpr const char* stopped_by_operator = "stopped by the operator";
+
+}  // namespace lumifield

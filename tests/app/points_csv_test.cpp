@@ -1,0 +1,56 @@
+#include "app/cli/points_csv.h"
+
+#include <fstream>
+#include <gtest/gtest.h>
+
+#include "tests/support/csv_table.h"
+
+namespace lumifield {
+namespace {
+
+class PointsCsv : public testing::Test {
+ protected:
+  std::filesystem::path file_ = std::filesystem::path(testing::TempDir()) / "points.csv";
+  Result<std::vector<Receiver>> read(const std::string& text) {
+    std::ofstream(file_) << text;
+    return read_points_csv(file_);
+  }
+  void refused(const std::string& text, const std::string& place) {
+    const auto points = read(text);
+    ASSERT_FALSE(points) << text;
+    EXPECT_NE(points.error().message().find(place), std::string::npos) << points.error().message();
+  }
+};
+
+TEST_F(PointsCsv, ColumnsMayComeInAnyOrder) {
+  const auto points = read("nz,x_mm,y_mm,z_mm,nx,ny\r\n-1, 1,2.5,3e2,0,0\r\n\n");
+  ASSERT_TRUE(points) << points.error().message();
+  ASSERT_EQ(points->size(), 1u);
+  EXPECT_EQ(points->front().p_mm, Vec3(1, 2.5, 300));
+  EXPECT_EQ(points->front().n, Vec3(0, 0, -1));
+}
+
+TEST_F(PointsCsv, RefusesWithLineAndColumn) {
+  refused("", "is empty");
+  refused("x_mm,y_mm,z_mm,nx,ny\n", "line 1");
+  refused("x_mm,y_mm,z_mm,nx,ny,nx\n", "'nx'");
+  refused("x_mm,y_mm,z_mm,nx,ny,nz\n", "no points");
+  refused("x_mm,y_mm,z_mm,nx,ny,nz\n1,2,3,0,0,1\n1,2,3,0,0\n", "line 3");
+  refused("x_mm,y_mm,z_mm,nx,ny,nz\n1,nan,3,0,0,1\n", "line 2, column y_mm");
+  refused("x_mm,y_mm,z_mm,nx,ny,nz\n1,2,3,0,0,2\n", "length 2");
+  EXPECT_FALSE(read_points_csv("/nowhere/points.csv"));
+}
+
+TEST_F(PointsCsv, WritesWhatItReads) {
+  const std::vector<Receiver> points{{{0.1, -2, 1e5}, {0, 0.6, -0.8}}};
+  ASSERT_TRUE(write_points_csv(file_, points, {"R", "G"}, {1.5, 2.25}));
+  auto table = test::read_csv_table(file_);
+  EXPECT_EQ(table["x_mm"], std::vector<double>{0.1});
+  EXPECT_EQ(table["E_R"], std::vector<double>{1.5});
+  EXPECT_EQ(table["E_G"], std::vector<double>{2.25});
+  EXPECT_FALSE(write_points_csv("/nowhere/e.csv", points, {"R", "G"}, {1.5, 2.25}));
+  EXPECT_FALSE(write_points_csv("/dev/full/e.csv", points, {"R", "G"}, {1.5, 2.25}));
+}
+
+}  // namespace
+}  // namespace lumifield
