@@ -29,7 +29,7 @@ const std::map<int, char> kGroupOfG = {{0, 'm'},   {10, 'm'},  {800, 'm'}, {40, 
                                        {920, '0'}, {921, '0'}, {170, 'p'}, {200, 'u'}, {210, 'u'}, {400, 'c'},
                                        {490, 'l'}, {540, 'w'}, {900, 'd'}, {910, 'd'}, {940, 'f'}};
 
-constexpr double kMmPerInch = 25.4;
+constexpr double kMmPerInch = 25.4, kNumberMax = 1e8;  // GRBL reads 8 digits
 
 }  // namespace
 
@@ -43,7 +43,7 @@ GrblError Gcode::Words::parse(std::string_view line, Words& words) {
     double number = 0;
     const char* end = line.data() + line.size();
     const auto [rest, fault] = std::from_chars(line.data() + at, end, number, std::chars_format::fixed);
-    if (fault != std::errc() || !std::isfinite(number)) return bad_number;
+    if (fault != std::errc() || !(std::abs(number) < kNumberMax)) return bad_number;
     at = std::size_t(rest - line.data());
     if (const GrblError error = words.add(letter, number); error != none) return error;
   }

@@ -28,7 +28,7 @@ enum class GrblError {
   bad_coordinates = 29,
   g53_needs_motion = 30,
   axis_words_unused = 31,
-  unused_words = 36,
+  unused_words = 36
 };
 
 /// What a line asks of the machine, in mm of the machine's frame.

@@ -10,9 +10,9 @@
 #include <cmath>
 #include <condition_variable>
 #include <cstring>
-#include <fstream>
 #include <mutex>
 #include <optional>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <thread>
 #include <unistd.h>
@@ -60,30 +60,14 @@ Status check_address(const std::string& address) {
   return {};
 }
 
-// The simulator reads its description from a file, once, while it starts.
-class DescriptionFile {
- public:
-  DescriptionFile() {
-    std::string path = (std::filesystem::temp_directory_path() / "lumifield-camera-XXXXXX").string();
-    const int file = mkstemp(path.data());
-    if (file < 0) return;
-    path_ = path;
-    written_ =
-        write(file, virtual_camera_xml, std::strlen(virtual_camera_xml)) == ssize_t(std::strlen(virtual_camera_xml));
-    close(file);
-  }
-  ~DescriptionFile() {
-    if (!path_.empty()) unlink(path_.c_str());
-  }
-  DescriptionFile(const DescriptionFile&) = delete;
-  DescriptionFile& operator=(const DescriptionFile&) = delete;
-  bool written() const { return written_; }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-  bool written_ = false;
-};
+// The simulator reads its description from a file, once, while it starts: one that is in memory only. -1 on failure.
+int open_description() {
+  const int file = memfd_create("virtual-camera.xml", MFD_CLOEXEC);
+  const auto size = ssize_t(std::strlen(virtual_camera_xml));
+  if (file >= 0 && write(file, virtual_camera_xml, std::size_t(size)) == size) return file;
+  if (file >= 0) close(file);
+  return -1;
+}
 
 }  // namespace
 
@@ -159,9 +143,6 @@ struct GigeCamera::Impl {
   }
 
   // Server thread: the simulator wants pixels.
-  static void fill(ArvBuffer* buffer, void* self, guint32, guint32, ArvPixelFormat) {
-    static_cast<Impl*>(self)->fill(buffer);
-  }
   void fill(ArvBuffer* buffer) {
     Exposure exposure;
     {
@@ -174,8 +155,11 @@ struct GigeCamera::Impl {
     exposure.offset_y_px = int(get(ARV_FAKE_CAMERA_REGISTER_Y_OFFSET));
     std::size_t bytes = 0;
     auto* dn = static_cast<std::uint16_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &bytes)));
+    const std::span image(dn, std::size_t(exposure.width_px) * std::size_t(exposure.height_px));
     if (fits(exposure))
-      sight.expose(exposure, std::span(dn, std::size_t(exposure.width_px) * std::size_t(exposure.height_px)));
+      sight.expose(exposure, image);
+    else
+      std::ranges::fill(image, std::uint16_t(0));
     ++sent;
     const std::lock_guard lock(mutex);
     pending = false;
@@ -230,23 +214,26 @@ Result<std::unique_ptr<GigeCamera>> GigeCamera::start(const GigeCameraOptions& o
   if (options.serial.empty() || options.serial.size() >= kSerialBytes)
     return fail("the serial number must have 1 to 15 characters", options.serial);
   if (auto free = check_address(options.address); !free) return tl::unexpected(free.error());
-  const DescriptionFile description;
-  if (!description.written())
-    return fail("the camera's description cannot be written", std::filesystem::temp_directory_path().string(),
-                "check TMPDIR and the space there");
+  const int description = open_description();
+  if (description < 0) return fail(std::string("no memory for the camera's description: ") + std::strerror(errno), "");
+  const std::string description_path = "/proc/self/fd/" + std::to_string(description);
 
   auto impl = std::make_unique<Impl>();
   impl->options = options;
   impl->sight = std::move(sight);
   impl->server = ARV_GV_FAKE_CAMERA(g_object_new(
       ARV_TYPE_GV_FAKE_CAMERA, "interface-name", options.address.c_str(), "serial-number", options.serial.c_str(),
-      "genicam-filename", description.path().c_str(), "gvsp-lost-ratio", options.lost_packet_ratio, nullptr));
+      "genicam-filename", description_path.c_str(), "gvsp-lost-ratio", options.lost_packet_ratio, nullptr));
+  close(description);
   if (!arv_gv_fake_camera_is_running(impl->server))
     return fail("no network interface of this machine has the address", options.address,
                 "give one that `ip addr` lists, or add it: ip addr add " + options.address + "/8 dev lo");
   impl->camera = arv_gv_fake_camera_get_fake_camera(impl->server);
   impl->set_registers();
-  arv_fake_camera_set_fill_pattern(impl->camera, &Impl::fill, impl.get());
+  const auto fill = [](ArvBuffer* buffer, void* self, guint32, guint32, ArvPixelFormat) {
+    static_cast<Impl*>(self)->fill(buffer);
+  };
+  arv_fake_camera_set_fill_pattern(impl->camera, fill, impl.get());
   impl->exposure_thread = std::jthread([self = impl.get()](std::stop_token stop) { self->watch(stop); });
   return std::unique_ptr<GigeCamera>(new GigeCamera(std::move(impl)));
 }

@@ -1,22 +1,16 @@
 #include "acquisition/virtual/grbl_controller.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <fcntl.h>
 #include <mutex>
-#include <poll.h>
-#include <pty.h>
-#include <termios.h>
 #include <thread>
-#include <unistd.h>
 
 #include "acquisition/virtual/axes.h"
 #include "acquisition/virtual/gcode.h"
 #include "acquisition/virtual/grbl_settings.h"
+#include "acquisition/virtual/pseudo_terminal.h"
 
 namespace lumifield::virtual_bench {
 
@@ -35,8 +29,7 @@ enum class Mode { idle, home, alarm, dead };  // dead: until reset, after ALARM:
 struct GrblController::Impl {
   GrblOptions options;
   std::function<void(const Vec2&)> prepare;
-  int master = -1, slave = -1;
-  bool linked = false;
+  PseudoTerminal terminal;
 
   mutable std::mutex mutex;  // guards all below
   mutable Axes axes;
@@ -61,37 +54,12 @@ struct GrblController::Impl {
       thread.request_stop();
       thread.join();
     }
-    if (linked) unlink(options.path.c_str());
-    if (master >= 0) close(master);
-    if (slave >= 0) close(slave);
-  }
-
-  Status open() {
-    const std::string path = options.path.string();
-    if (openpty(&master, &slave, nullptr, nullptr, nullptr) != 0)
-      return fail(std::string("no pseudo-terminal: ") + std::strerror(errno), path, "mount /dev/pts");
-    termios raw{};
-    tcgetattr(slave, &raw);
-    cfmakeraw(&raw);
-    tcsetattr(slave, TCSANOW, &raw);
-    fcntl(master, F_SETFL, O_NONBLOCK);
-    fcntl(master, F_SETFD, FD_CLOEXEC);
-    fcntl(slave, F_SETFD, FD_CLOEXEC);
-    char name[64];
-    if (ttyname_r(slave, name, sizeof name) != 0)
-      return fail("the pseudo-terminal has no name", path, "mount /dev/pts");
-    if (symlink(name, path.c_str()) != 0)
-      return fail(std::string("the link to the terminal cannot be made: ") + std::strerror(errno), path,
-                  "give another --serial-path, or remove what is there");
-    linked = true;
-    return {};
   }
 
   // ---- The line to the host
 
   void send(const std::string& text) {
-    // Like a serial line without flow control: what the host does not take is lost.
-    if (!silent && write(master, text.data(), text.size()) < 0 && errno != EAGAIN) silent = true;
+    if (!silent) terminal.write(text);
   }
   void send_line(const std::string& text) { send(text + "\r\n"); }
   void answer(GrblError error) { send_line(error == GrblError::none ? "ok" : "error:" + std::to_string(int(error))); }
@@ -106,13 +74,10 @@ struct GrblController::Impl {
       welcome();
     }
     while (!stop.stop_requested()) {
-      pollfd host{master, POLLIN, 0};
-      poll(&host, 1, moving() ? 1 : 10);
-      char bytes[256];
-      const ssize_t count = (host.revents & POLLIN) != 0 ? read(master, bytes, sizeof bytes) : 0;
+      const std::string bytes = terminal.read(moving() ? 1 : 10);
       const std::lock_guard lock(mutex);
       advance();
-      for (ssize_t i = 0; i < count; ++i) take(bytes[i]);
+      for (const char byte : bytes) take(byte);
       read_lines();
     }
   }
@@ -158,15 +123,7 @@ struct GrblController::Impl {
   }
 
   std::string state_name() const {
-    switch (mode) {
-      case Mode::home:
-        return "Home";
-      case Mode::alarm:
-      case Mode::dead:
-        return "Alarm";
-      case Mode::idle:
-        break;
-    }
+    if (mode != Mode::idle) return mode == Mode::home ? "Home" : "Alarm";
     if (axes.held()) return "Hold:0";
     if (axes.stopping()) return "Hold:1";
     return axes.empty() ? "Idle" : "Run";
@@ -174,23 +131,24 @@ struct GrblController::Impl {
 
   void report() {
     const double unit = settings.on(13) ? 1 / 25.4 : 1;
-    const bool machine = (int(settings[10]) & 1) != 0;
-    const Vec2 offset = gcode.work_offset_mm();
-    const Vec2 shown = (machine ? axes.claimed_mm() : Vec2(axes.claimed_mm() - offset)) * unit;
-    char text[200];
-    int size = std::snprintf(text, sizeof text, "<%s|%s:%.3f,%.3f,0.000", state_name().c_str(),
-                             machine ? "MPos" : "WPos", shown.x(), shown.y());
-    const auto add = [&](auto... values) {
-      size += std::snprintf(text + size, sizeof text - std::size_t(size), values...);
+    const auto point = [unit](const Vec2& mm) {
+      char text[80];
+      std::snprintf(text, sizeof text, "%.3f,%.3f,0.000", mm.x() * unit, mm.y() * unit);
+      return std::string(text);
     };
-    if ((int(settings[10]) & 2) != 0) add("|Bf:%d,%d", axes.free_slots(), int(kReceiveBytes + 1 - received.size()));
-    add("|FS:%.0f,0", axes.speed_mm_s() * 60 * unit);
-    const Vec2 at = axes.true_mm();
+    const int shown = int(settings[10]);
+    const Vec2 offset = gcode.work_offset_mm(), at = axes.true_mm();
+    std::string text(1, '<');
+    text += state_name();
+    text += (shown & 1) != 0 ? "|MPos:" + point(axes.claimed_mm()) : "|WPos:" + point(axes.claimed_mm() - offset);
+    if ((shown & 2) != 0)
+      text += "|Bf:" + std::to_string(axes.free_slots()) + "," + std::to_string(kReceiveBytes - received.size());
+    text += "|FS:" + std::to_string(std::lround(axes.speed_mm_s() * 60 * unit)) + ",0";
     const bool x = at.x() <= low() || at.x() >= high().x(), y = at.y() <= low() || at.y() >= high().y();
-    if (x || y) add("|Pn:%s%s", x ? "X" : "", y ? "Y" : "");
-    if (reports % kReportsBetweenOffsets == 0) add("|WCO:%.3f,%.3f,0.000", offset.x() * unit, offset.y() * unit);
-    if (reports++ % kReportsBetweenOffsets == 1) add("|Ov:100,100,100");
-    send_line(std::string(text) + ">");
+    if (x || y) text += std::string("|Pn:") + (x ? "X" : "") + (y ? "Y" : "");
+    if (reports % kReportsBetweenOffsets == 0) text += "|WCO:" + point(offset);
+    if (reports++ % kReportsBetweenOffsets == 1) text += "|Ov:100,100,100";
+    send_line(text + ">");
   }
 
   // ---- The machine
@@ -287,8 +245,7 @@ struct GrblController::Impl {
   }
 
   void execute_system(const std::string& command) {
-    const bool at_rest = axes.empty();
-    if (!at_rest) return answer(GrblError::not_idle);
+    if (!axes.empty()) return answer(GrblError::not_idle);
     if (command == "$$")
       send(settings.list());
     else if (command == "$I")
@@ -346,7 +303,7 @@ Result<std::unique_ptr<GrblController>> GrblController::start(const GrblOptions&
                                                               std::function<void(const Vec2&)> prepare) {
   auto impl = std::make_unique<Impl>(options);
   impl->prepare = std::move(prepare);
-  if (auto opened = impl->open(); !opened) return tl::unexpected(opened.error());
+  if (auto opened = impl->terminal.open(options.path); !opened) return tl::unexpected(opened.error());
   impl->thread = std::jthread([self = impl.get()](std::stop_token stop) { self->run(stop); });
   return std::unique_ptr<GrblController>(new GrblController(std::move(impl)));
 }

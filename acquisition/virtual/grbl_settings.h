@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -12,23 +13,18 @@ class GrblSettings {
  public:
   GrblSettings(const Vec2& travel_mm, double rapid_mm_s, double acceleration_mm_s2);
 
-  double operator[](int number) const;
-  bool on(int number) const { return (*this)[number] != 0; }
-  /// The pair of axis settings number and number + 1.
-  Vec2 axes(int number) const { return {(*this)[number], (*this)[number + 1]}; }
+  double operator[](int number) const { return values_.at(number); }
+  bool on(int number) const { return values_.at(number) != 0; }
+  /// The settings of the x and the y axis: number and number + 1.
+  Vec2 axes(int number) const { return {values_.at(number), values_.at(number + 1)}; }
 
   /// `assignment`: the part after `$` of "$110=6000".
   GrblError set(std::string_view assignment);
-  /// What `$$` prints, line by line.
+  /// What `$$` prints.
   std::string list() const;
 
  private:
-  struct Setting {
-    int number;
-    double value;
-    int decimals;
-  };
-  Setting settings_[34];
+  std::map<int, double> values_;
 };
 
 }  // namespace lumifield::virtual_bench

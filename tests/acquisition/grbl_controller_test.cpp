@@ -310,14 +310,29 @@ TEST_F(GrblControllerTest, ASwitchHitIsAHardLimit) {
 
 TEST_F(GrblControllerTest, AnswersBadLinesAsGrblDoes) {
   home();
-  const std::pair<const char*, const char*> cases[] = {
-      {"X", "error:2"},           {"5", "error:1"},         {"G0 X1 X2", "error:25"},
-      {"G0 G1 X1", "error:21"},   {"G1 X1", "error:22"},    {"G2 X1 F10", "error:20"},
-      {"G0 Z1", "error:20"},      {"M3", "error:20"},       {"G1 X1 F-1", "error:4"},
-      {"G80 X1", "error:31"},     {"G92", "error:26"},      {"G10 X1", "error:28"},
-      {"G0 G92 X1", "error:24"},  {"G0 X1 P2", "error:36"}, {"$999=1", "error:3"},
-      {"$110=x", "error:2"},      {"$110=0", "error:4"},    {"$Q", "error:3"},
-      {"G0 X1e9999", "error:20"}, {"G0 Xnan", "error:2"},   {"G999999999999999", "error:20"}};
+  const std::pair<const char*, const char*> cases[] = {{"X", "error:2"},
+                                                       {"5", "error:1"},
+                                                       {"G0 X1 X2", "error:25"},
+                                                       {"G0 G1 X1", "error:21"},
+                                                       {"G1 X1", "error:22"},
+                                                       {"G2 X1 F10", "error:20"},
+                                                       {"G0 Z1", "error:20"},
+                                                       {"M3", "error:20"},
+                                                       {"G1 X1 F-1", "error:4"},
+                                                       {"G80 X1", "error:31"},
+                                                       {"G92", "error:26"},
+                                                       {"G10 X1", "error:28"},
+                                                       {"G0 G92 X1", "error:24"},
+                                                       {"G0 X1 P2", "error:36"},
+                                                       {"$999=1", "error:3"},
+                                                       {"$110=x", "error:2"},
+                                                       {"$110=0", "error:4"},
+                                                       {"$Q", "error:3"},
+                                                       {"G0 X1e9999", "error:20"},
+                                                       {"G0 X123456789012", "error:2"},
+                                                       {"$110=1000000000000", "error:2"},
+                                                       {"G0 Xnan", "error:2"},
+                                                       {"G999999", "error:20"}};
   for (const auto& [line, answer] : cases) EXPECT_EQ(host_->answer(line), answer) << line;
   EXPECT_EQ(host_->answer(std::string(100, 'G')), "error:11");
   EXPECT_EQ(host_->answer("(a comment) ; and more"), "ok");
