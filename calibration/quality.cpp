@@ -31,13 +31,19 @@ double share(const CellImage& image, bool every, Fault fault) {
   return static_cast<double>(count) / static_cast<double>(image.plane());
 }
 
+bool holds_light(const float* value, const float* variance, std::size_t pixels) {
+  std::size_t above = 0;
+  for (std::size_t p = 0; p < pixels; ++p) above += value[p] > lit_sigmas * std::sqrt(variance[p]);
+  return static_cast<double>(above) >= least_lit_share * static_cast<double>(pixels);
+}
+
 double median_snr(const CellImage& image) {
   std::vector<float> snr;
   for (int c = 0; c < image.channels; ++c) {
     const float* value = image.channel(c);
     const float* variance = image.variance.data() + static_cast<std::size_t>(c) * image.plane();
     const float least = lit_share * *std::max_element(value, value + image.plane());
-    if (!(least > 0)) continue;
+    if (!(least > 0) || !holds_light(value, variance, image.plane())) continue;
     for (std::size_t p = 0; p < image.plane(); ++p)
       if (value[p] > least && variance[p] > 0) snr.push_back(value[p] / std::sqrt(variance[p]));
   }
@@ -70,9 +76,7 @@ Quality judge(const CellImage& image, const ScreenFaults& faults, const RawCell&
   if (q.saturated_share > plan.limits.saturated_share)
     q.warnings.push_back(words("%.3g %% of the pixels are saturated in every exposure, above the plan's %.3g %%",
                                100 * q.saturated_share, 100 * plan.limits.saturated_share));
-  if (std::isnan(q.median_snr))
-    q.warnings.push_back("no pixel is lit");
-  else if (q.median_snr < plan.limits.median_snr)
+  if (q.median_snr < plan.limits.median_snr)
     q.warnings.push_back(words("median SNR %.3g is below the plan's %.3g", q.median_snr, plan.limits.median_snr));
   if (q.position_error_mm > bench.tolerance_mm)
     q.warnings.push_back(words("the stage stood %.3g mm off, above the bench's tolerance of %.3g mm",

@@ -18,14 +18,18 @@ struct ScreenFaults {
 
 /// Below this share of valid photosites a pixel of S has no value of its own.
 inline constexpr float least_valid_share = 0.5f;
-/// A pixel is lit above this share of its channel's largest value.
+/// A channel holds light when this share of its pixels lies more than this many σ above zero: a cell beside the lamp is
+/// dark, and its noise is no signal.
+inline constexpr double least_lit_share = 0.001;
+inline constexpr float lit_sigmas = 5;
+/// In such a channel a pixel is lit above this share of the largest value.
 inline constexpr float lit_share = 0.05f;
 
 /// The figures of one cell and the plan's limits that it breaks, in words.
 ///
 /// saturated_share: pixels of S with less than half of what covers them valid, in any channel. starved_share: pixels
 /// whose mean signal in the longest exposure is within the read noise, in every channel. median_snr: median of value/σ
-/// over lit values of all channels; NaN where nothing is lit. dark_dn: `dark_dn`, NaN without a dark set, which is a
+/// over lit values of all channels; NaN for a dark cell, which is no fault. dark_dn: `dark_dn`, NaN without a dark set, which is a
 /// warning too. Pure.
 Quality judge(const CellImage& image, const ScreenFaults& faults, const RawCell& raw, double dark_dn,
               const Bench& bench, const Plan& plan);
