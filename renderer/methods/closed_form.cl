@@ -55,18 +55,41 @@ double2 interval(const ReceiverAxis* receiver, const CellAxis* axis, int number)
   return clamp((double2)(axis->low + number, axis->low + number + 1) / rate, -HALF, HALF);
 }
 
-// Σ C ∬ φφ max(0, g) where the horizon cuts the support: in double and pixel by pixel.
-void cut_sum(__global const float* c, const ClosedFormGeometry* geometry, const ReceiverAxis* x, const ReceiverAxis* y,
-             const CellAxis* ax, const CellAxis* ay, const HorizonPlane* g, double sign, double8* total) {
+// Σ C ∬ φφ max(0, g) over a block where the horizon cuts the support: pixels well above it by their moments, those near
+// it clipped in double. Near U pixels are too narrow, near S too wide for float to place them: all count as near it.
+void cut_block(__global const float* c, const ClosedFormGeometry* geometry, const ReceiverAxis* x, const ReceiverAxis* y,
+               const CellAxis* ax, const CellAxis* ay, int2 start, const Weights* wx, const RowWeights* wy,
+               const HorizonPlane* g, float4 deepest, double sign, double8* sum) {
+  const int exact = fmax(x->rate, y->rate) > 300 || fmin(x->rate, y->rate) < 1;
+  const int columns = min(BLOCK, ax->count - start.x), rows = min(BLOCK, ay->count - start.y);
   const double scale = sign / ((double)x->scale * y->scale);
-  for (int j = 0; j < ay->count; ++j) {
-    const double2 v = interval(y, ay, j);
-    for (int i = 0; i < ax->count; ++i) {
-      const double4 r = (double4)(interval(x, ax, i), v);
-      if (highest(g, r) <= 0) continue;
-      const double weight = scale * clipped_integral(g, r);
+  const float margin = (float)(0.02 * HALF * (fabs(g->x) + fabs(g->y)));
+  const float half_support = HALF, rate = (float)fmax(x->rate, LEAST_RATE);
+  const float16 low = clamp(((float)(ax->low + start.x) + LANES) / rate, -half_support, half_support);
+  const float16 high = clamp(((float)(ax->low + start.x + 1) + LANES) / rate, -half_support, half_support);
+  const float16 least_x = min((float)g->x * low, (float)g->x * high), most_x = max((float)g->x * low, (float)g->x * high);
+  for (int j = 0; j < rows; ++j) {
+    // Least and greatest g of the row's pixels.
+    const double2 v = interval(y, ay, start.y + j);
+    const float16 least = least_x + (float)(g->k + fmin(g->y * v.x, g->y * v.y));
+    const float16 most = most_x + (float)(g->k + fmax(g->y * v.x, g->y * v.y));
+
+    // Pixels well above the horizon.
+    const float16 moments = (deepest.x * wx->w0 + deepest.y * wx->w1) * wy->w0[j] + deepest.z * wx->w0 * wy->w1[j];
+    const float16 weight = select((float16)0, moments, least >= margin && (int16)!exact);
+    for (int channel = 0; channel < CHANNELS; ++channel) {
+      const float16 product = weight * vload16(0, c + channel * geometry->plane + j * geometry->stride);
+      sum[channel] += convert_double8(product.lo + product.hi);
+    }
+
+    // Pixels near it.
+    int near[BLOCK];
+    vstore16((least < margin && most > -margin) || (int16)exact, 0, near);
+    for (int i = 0; i < columns; ++i) {
+      if (!near[i]) continue;
+      const double clipped = scale * clipped_integral(g, (double4)(interval(x, ax, start.x + i), v));
       for (int channel = 0; channel < CHANNELS; ++channel)
-        total[channel].s0 += weight * c[channel * geometry->plane + j * geometry->stride + i];
+        sum[channel].s0 += clipped * c[channel * geometry->plane + j * geometry->stride + i];
     }
   }
 }
@@ -113,20 +136,21 @@ __kernel void closed_form_add(const ClosedFormGeometry geometry, __global const 
     __global const float* c =
         images + (size_t)cell.image * geometry.plane + (size_t)ay.first * geometry.stride + ax.first;
 
-    if (k - span < 0) {
-      const HorizonPlane g = {k, slope_x, slope_y};
-      cut_sum(c, &geometry, &x, &y, &ax, &ay, &g, cell.sign, sum);
-      continue;
-    }
     const float sign = (float)cell.sign;
-    const float4 g = (float4)(sign * (float)(k - span), sign * (float)fabs(slope_x), sign * (float)fabs(slope_y), 0);
+    const float4 deepest = sign * (float4)((float)(k - span), (float)fabs(slope_x), (float)fabs(slope_y), 0);
+    const HorizonPlane g = {k, slope_x, slope_y};
     for (int i = 0; i < ax.count; i += BLOCK) {
       const Weights wx = weights(&x, &ax, i, slope_x >= 0);
       for (int j = 0; j < ay.count; j += BLOCK) {
         if (j != row_start) row_weights(&y, &ay, row_start = j, slope_y >= 0, &wy);
+        __global const float* block = c + j * geometry.stride + i;
+        if (k - span < 0) {
+          cut_block(block, &geometry, &x, &y, &ax, &ay, (int2)(i, j), &wx, &wy, &g, deepest, cell.sign, sum);
+          continue;
+        }
         for (int channel = 0; channel < CHANNELS; ++channel)
-          sum[channel] += convert_double8(block_sum(c + channel * geometry.plane + j * geometry.stride + i, geometry.stride,
-                                                    min(BLOCK, ay.count - j), &wx, &wy, g));
+          sum[channel] += convert_double8(block_sum(block + channel * geometry.plane, geometry.stride,
+                                                    min(BLOCK, ay.count - j), &wx, &wy, deepest));
       }
     }
   }

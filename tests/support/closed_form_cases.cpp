@@ -51,6 +51,7 @@ std::vector<ReceiverCase> receiver_cases(const LuminaireGeometry& g, unsigned se
     cases.push_back({"grazing between", {x / 4, y / 4, 6}, along.normalized(), true});
     const Vec3 far(500 * unit(random), 700 * unit(random), 2000);
     const Vec3 axis = Vec3(-far.y(), far.x(), 0).normalized();
+    cases.push_back({"grazing near U", {x / 4, y / 4, 1e-3}, along.normalized(), true});
     cases.push_back({"grazing far away", far, axis.cross(far).normalized() + 1e-3 * tilted(), true});
     for (double beyond : {0.0, -0.0, 1e-9, -1e-9, 1e-4, -1e-4}) {
       cases.push_back({"on S", {x, y, delta + beyond}, tilted()});
