@@ -26,7 +26,7 @@ struct Options {
   GigeCameraOptions camera;
   GrblOptions stage;
   std::string carries = "slide", filter, pixel_format, noise = "on", optics = "on", knobs;
-  std::vector<std::string> command;
+  std::vector<std::string> command, set;
   bool projected = false;
   std::string points, out;
 };
@@ -99,6 +99,17 @@ std::map<std::string, Knob> make_knobs(World& world, GigeCamera& camera, GrblCon
   return knobs;
 }
 
+// "silent_stage=1"
+Status apply_setting(const std::string& text, const std::map<std::string, Knob>& knobs) {
+  const std::size_t equals = text.find('=');
+  const auto knob = knobs.find(text.substr(0, equals));
+  char* end = nullptr;
+  const double value = equals == std::string::npos ? 0 : std::strtod(text.c_str() + equals + 1, &end);
+  if (knob == knobs.end() || !knob->second.set || end == nullptr || end == text.c_str() + equals + 1 || *end != '\0')
+    return fail("not a knob and its value", "--set " + text, "give NAME=NUMBER, for example silent_stage=1");
+  return knob->second.set(value);
+}
+
 /// Runs the command with the signals of `handled`, blocked in this process, passed on to it. 128 + n when a signal n
 /// ended it, 127 when it cannot be run.
 int run_command(const std::vector<std::string>& command, const sigset_t& handled) {
@@ -157,8 +168,11 @@ int run_bench(Options& options) {
                         }};
   const auto camera = GigeCamera::start(options.camera, sight);
   if (!camera) return report(camera.error());
+  const std::map<std::string, Knob> all_knobs = make_knobs(**world, **camera, **stage);
+  for (const std::string& setting : options.set)
+    if (const Status set = apply_setting(setting, all_knobs); !set) return report(set.error(), 2);
   Result<std::unique_ptr<Knobs>> knobs;
-  if (!options.knobs.empty()) knobs = Knobs::start(options.knobs, make_knobs(**world, **camera, **stage));
+  if (!options.knobs.empty()) knobs = Knobs::start(options.knobs, all_knobs);
   if (!knobs) return report(knobs.error());
 
   bench.camera.address = options.camera.address;
@@ -179,6 +193,7 @@ int parse_and_run(int argc, char** argv) {
   app.add_option("--address", options.camera.address, "the camera's, of an interface of this machine");
   app.add_option("--serial-path", options.stage.path, "where the stage's terminal is linked");
   app.add_option("--knobs", options.knobs, "Unix socket that takes lines `name value`");
+  app.add_option("--set", options.set, "NAME=VALUE of a knob from the start; may be repeated")->allow_extra_args(false);
   app.add_option("--loss", options.camera.lost_packet_ratio, "share of stream packets lost")
       ->check(CLI::Range(0.0, 1.0));
   app.add_option("--carries", options.carries, "slide or lamp")->check(CLI::IsMember({"slide", "lamp"}));

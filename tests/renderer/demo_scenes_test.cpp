@@ -6,7 +6,7 @@
 namespace lumifield {
 namespace {
 
-const std::filesystem::path scenes = std::filesystem::path(__FILE__).parent_path() / "../../resources/scenes";
+const std::filesystem::path scenes = std::filesystem::path(LUMIFIELD_SOURCE_DIR) / "resources/scenes";
 
 /// The scene at 4:3, seen without cracks: the share of covered pixels.
 double covered_share(const Scene& scene, const Mesh& mesh) {
