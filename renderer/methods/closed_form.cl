@@ -20,8 +20,8 @@ typedef struct {
   float w0[BLOCK], w1[BLOCK];
 } RowWeights;
 
-INLINE void row_weights(const ReceiverAxis* receiver, const CellAxis* axis, int start, int from_low, RowWeights* rows) {
-  const Weights w = weights(receiver, axis, start, from_low);
+INLINE void row_weights(const ReceiverAxes* receiver, const CellAxes* axes, int start, int from_low, RowWeights* rows) {
+  const Weights w = weights(receiver->unit.y, receiver->scale.y, axes->whole_y, axes->part_y, start, from_low);
   vstore16(w.w0, 0, rows->w0);
   vstore16(w.w1, 0, rows->w1);
 }
@@ -50,27 +50,27 @@ INLINE float8 block_sum(__global const float* c, int stride, int rows, const Wei
 }
 
 // The pixel `number` of an axis as an interval of X within the support.
-double2 interval(const ReceiverAxis* receiver, const CellAxis* axis, int number) {
-  const double rate = fmax(receiver->rate, LEAST_RATE);
-  return clamp((double2)(axis->low + number, axis->low + number + 1) / rate, -HALF, HALF);
+double2 interval(double rate, double low, int number) {
+  return clamp((double2)(low + number, low + number + 1) / fmax(rate, LEAST_RATE), -HALF, HALF);
 }
 
 // Σ C ∬ φφ max(0, g) over a block where the horizon cuts the support: pixels well above it by their moments, those near
 // it clipped in double. Near U pixels are too narrow, near S too wide for float to place them: all count as near it.
-void cut_block(__global const float* c, const ClosedFormGeometry* geometry, const ReceiverAxis* x, const ReceiverAxis* y,
-               const CellAxis* ax, const CellAxis* ay, int2 start, const Weights* wx, const RowWeights* wy,
-               const HorizonPlane* g, float4 deepest, double sign, double8* sum) {
-  const int exact = fmax(x->rate, y->rate) > 300 || fmin(x->rate, y->rate) < 1;
-  const int columns = min(BLOCK, ax->count - start.x), rows = min(BLOCK, ay->count - start.y);
-  const double scale = sign / ((double)x->scale * y->scale);
+void cut_block(__global const float* c, const ClosedFormGeometry* geometry, const ReceiverAxes* receiver,
+               const CellAxes* axes, int2 start, const Weights* wx, const RowWeights* wy, const HorizonPlane* g,
+               float4 deepest, double sign, double8* sum) {
+  const double2 rates = receiver->rate;
+  const int exact = fmax(rates.x, rates.y) > 300 || fmin(rates.x, rates.y) < 1;
+  const int columns = min(BLOCK, axes->count.x - start.x), rows = min(BLOCK, axes->count.y - start.y);
+  const double scale = sign / ((double)receiver->scale.x * receiver->scale.y);
   const float margin = (float)(0.02 * HALF * (fabs(g->x) + fabs(g->y)));
-  const float half_support = HALF, rate = (float)fmax(x->rate, LEAST_RATE);
-  const float16 low = clamp(((float)(ax->low + start.x) + LANES) / rate, -half_support, half_support);
-  const float16 high = clamp(((float)(ax->low + start.x + 1) + LANES) / rate, -half_support, half_support);
+  const float half_support = HALF, rate = (float)fmax(rates.x, LEAST_RATE);
+  const float16 low = clamp(((float)(axes->low.x + start.x) + LANES) / rate, -half_support, half_support);
+  const float16 high = clamp(((float)(axes->low.x + start.x + 1) + LANES) / rate, -half_support, half_support);
   const float16 least_x = min((float)g->x * low, (float)g->x * high), most_x = max((float)g->x * low, (float)g->x * high);
   for (int j = 0; j < rows; ++j) {
     // Least and greatest g of the row's pixels.
-    const double2 v = interval(y, ay, start.y + j);
+    const double2 v = interval(rates.y, axes->low.y, start.y + j);
     const float16 least = least_x + (float)(g->k + fmin(g->y * v.x, g->y * v.y));
     const float16 most = most_x + (float)(g->k + fmax(g->y * v.x, g->y * v.y));
 
@@ -87,7 +87,7 @@ void cut_block(__global const float* c, const ClosedFormGeometry* geometry, cons
     vstore16((least < margin && most > -margin) || (int16)exact, 0, near);
     for (int i = 0; i < columns; ++i) {
       if (!near[i]) continue;
-      const double clipped = scale * clipped_integral(g, (double4)(interval(x, ax, start.x + i), v));
+      const double clipped = scale * clipped_integral(g, (double4)(interval(rates.x, axes->low.x, start.x + i), v));
       for (int channel = 0; channel < CHANNELS; ++channel)
         sum[channel].s0 += clipped * c[channel * geometry->plane + j * geometry->stride + i];
     }
@@ -104,53 +104,51 @@ __kernel void closed_form_add(const ClosedFormGeometry geometry, __global const 
 
   // What follows from the receiver alone.
   const double z = receiver.p_z, separation = geometry.separation;
-  const ReceiverAxis x = receiver_axis(receiver.p_x, z, separation, geometry.spacing_x, geometry.pixel_x);
-  const ReceiverAxis y = receiver_axis(receiver.p_y, z, separation, geometry.spacing_y, geometry.pixel_y);
+  const double2 spacing = (double2)(geometry.spacing_x, geometry.spacing_y);
+  const double2 corner = (double2)(geometry.corner_x, geometry.corner_y);
+  const double2 pixel = (double2)(geometry.pixel_x, geometry.pixel_y);
+  const double2 pixels = (double2)(geometry.width, geometry.height);
+  const ReceiverAxes axes = receiver_axes((double2)(receiver.p_x, receiver.p_y), z, separation, spacing, pixel);
   const double forward = z >= separation ? 1 : -1;
   const double slope_x = forward * receiver.n_x * geometry.spacing_x, slope_y = forward * receiver.n_y * geometry.spacing_y;
   const double span = HALF * (fabs(slope_x) + fabs(slope_y));
   const double factor =
-      separation * separation * geometry.spacing_x * geometry.spacing_y / (z * z * z) * ((double)x.scale * y.scale);
+      separation * separation * geometry.spacing_x * geometry.spacing_y / (z * z * z) * ((double)axes.scale.x * axes.scale.y);
 
   double8 sum[CHANNELS];
   for (int channel = 0; channel < CHANNELS; ++channel) sum[channel] = 0;
-  CellAxis ay;
   RowWeights wy;
-  double row_u = NAN;  // of ay
-  int row_start = -1;  // of wy
+  double row_u = NAN;  // of wy
+  int row_start = -1;
   for (int m = geometry.first_cell; m < geometry.first_cell + geometry.cells; ++m) {
     // Above, below or across the horizon.
     const ClosedFormCell cell = cells[m];
     const double k = receiver.n_x * (cell.u_x - receiver.p_x) + receiver.n_y * (cell.u_y - receiver.p_y) - receiver.n_z * z;
     if (k + span <= 0) continue;
 
-    // The pixels seen; rows are shared by the cells of a row of the grid.
-    if (cell.u_y != row_u) {
-      ay = cell_axis(&y, cell.u_y, geometry.corner_y, geometry.pixel_y, geometry.height);
-      row_u = cell.u_y;
-      row_start = -1;
-    }
-    if (ay.count <= 0) continue;
-    const CellAxis ax = cell_axis(&x, cell.u_x, geometry.corner_x, geometry.pixel_x, geometry.width);
-    if (ax.count <= 0) continue;
+    // The pixels seen; the weights of rows are shared by the cells of a row of the grid.
+    const CellAxes seen = cell_axes(&axes, (double2)(cell.u_x, cell.u_y), corner, pixel, pixels);
+    if (seen.count.x <= 0 || seen.count.y <= 0) continue;
+    if (cell.u_y != row_u) row_start = -1;
+    row_u = cell.u_y;
     __global const float* c =
-        images + (size_t)cell.image * geometry.plane + (size_t)ay.first * geometry.stride + ax.first;
+        images + (size_t)cell.image * geometry.plane + (size_t)seen.first.y * geometry.stride + seen.first.x;
 
     const float sign = (float)cell.sign;
     const float4 deepest = sign * (float4)((float)(k - span), (float)fabs(slope_x), (float)fabs(slope_y), 0);
     const HorizonPlane g = {k, slope_x, slope_y};
-    for (int i = 0; i < ax.count; i += BLOCK) {
-      const Weights wx = weights(&x, &ax, i, slope_x >= 0);
-      for (int j = 0; j < ay.count; j += BLOCK) {
-        if (j != row_start) row_weights(&y, &ay, row_start = j, slope_y >= 0, &wy);
+    for (int i = 0; i < seen.count.x; i += BLOCK) {
+      const Weights wx = weights(axes.unit.x, axes.scale.x, seen.whole_x, seen.part_x, i, slope_x >= 0);
+      for (int j = 0; j < seen.count.y; j += BLOCK) {
+        if (j != row_start) row_weights(&axes, &seen, row_start = j, slope_y >= 0, &wy);
         __global const float* block = c + j * geometry.stride + i;
         if (k - span < 0) {
-          cut_block(block, &geometry, &x, &y, &ax, &ay, (int2)(i, j), &wx, &wy, &g, deepest, cell.sign, sum);
+          cut_block(block, &geometry, &axes, &seen, (int2)(i, j), &wx, &wy, &g, deepest, cell.sign, sum);
           continue;
         }
         for (int channel = 0; channel < CHANNELS; ++channel)
           sum[channel] += convert_double8(block_sum(block + channel * geometry.plane, geometry.stride,
-                                                    min(BLOCK, ay.count - j), &wx, &wy, deepest));
+                                                    min(BLOCK, seen.count.y - j), &wx, &wy, deepest));
       }
     }
   }
