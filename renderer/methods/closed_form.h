@@ -38,7 +38,8 @@ class ClosedForm {
 };
 
 /// The same sum as an OpenCL kernel, with one running sum in double per receiver and channel: a new cell costs one cell,
-/// a retaken one costs closed(C_new − C_old). Thread-bound to its creator.
+/// a retaken one two, closed(C_new) − closed(C_old), the second exactly what had been added. Needs a device with double
+/// precision. Thread-bound to its creator.
 class ClosedFormDevice {
  public:
   /// Chooses the OpenCL device (LUMIFIELD_OPENCL names another, by a part of its name). Probes OpenCL in a child process
