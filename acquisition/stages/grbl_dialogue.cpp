@@ -14,6 +14,8 @@ constexpr milliseconds wake_time(3000);  // a board that restarts on opening run
 constexpr milliseconds wake_period(250);
 constexpr milliseconds wake_reset_after(2000);  // in a critical alarm `?` stays unanswered until a reset
 constexpr milliseconds answer_time(1000);
+/// Silence is believed on the second wait only: one that began before the whole machine was held up would end at once.
+constexpr int answer_waits = 2;
 constexpr milliseconds reset_time(2000);
 constexpr milliseconds stop_time(3000);  // even slow stages brake from full speed in less
 constexpr int unreadable_limit = 3;
@@ -86,10 +88,12 @@ double GrblDialogue::setting_or(int number, double otherwise) const {
 
 Status GrblDialogue::command(std::string_view line, Milliseconds timeout) {
   if (Status sent = send(line); !sent) return sent;
-  const Result<bool> done = await_ok(timeout);
-  if (!done) return tl::unexpected(done.error());
-  if (!*done) return silent("1 s");
-  return {};
+  for (int wait = 0; wait < answer_waits; ++wait) {
+    const Result<bool> done = await_ok(timeout);
+    if (!done) return tl::unexpected(done.error());
+    if (*done) return {};
+  }
+  return silent("2 s");
 }
 
 Status GrblDialogue::send(std::string_view line) {
@@ -129,6 +133,15 @@ Result<GrblStatus> GrblDialogue::status() {
 }
 
 Result<GrblStatus> GrblDialogue::ask() {
+  for (int wait = 0; wait < answer_waits; ++wait) {
+    const Result<std::optional<GrblStatus>> status = ask_once();
+    if (!status) return tl::unexpected(status.error());
+    if (*status) return **status;
+  }
+  return silent("2 s");
+}
+
+Result<std::optional<GrblStatus>> GrblDialogue::ask_once() {
   if (const auto sent = link_->write("?"); !sent) return link_error(sent.error());
   const Clock::time_point deadline = Clock::now() + answer_time;
   do {
@@ -141,7 +154,7 @@ Result<GrblStatus> GrblDialogue::ask() {
     }
     if (Status noted = note(*line); !noted) return tl::unexpected(noted.error());
   } while (Clock::now() < deadline);
-  return silent("1 s");
+  return std::nullopt;
 }
 
 Status GrblDialogue::stop_and_reset() {

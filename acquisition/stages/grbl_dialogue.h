@@ -60,6 +60,8 @@ class GrblDialogue {
   void forget_noise();
   Result<std::string> read_line(Milliseconds timeout);  ///< an empty line at the deadline
   Result<GrblStatus> ask();
+  /// Empty when no answer came in time.
+  Result<std::optional<GrblStatus>> ask_once();
   tl::unexpected<Error> silent(std::string_view duration) const;
   tl::unexpected<Error> unreadable() const;
   tl::unexpected<Error> link_error(LinkFault fault) const;

@@ -46,6 +46,9 @@ void add_scan(CLI::App& app, ScanOptions& o) {
   scan->add_option("--preview", o.preview, "Scene file: pictures of it are made after 5, 50 and 100 % of the cells");
   scan->add_option("--pictures", o.pictures, "Folder for these pictures (default: beside the dataset)");
   scan->add_option("--size", o.size, "Size of these pictures")->capture_default_str();
+  scan->add_option("--exposure", o.exposure, "Exposure of their tone curve")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   scan->add_flag("--json", o.json, "Print the summary as one JSON object");
 }
 

@@ -7,6 +7,9 @@
 
 namespace lumifield {
 
+/// Of the tone curve: a lamp's beam is far brighter than the average of the scene that it lights.
+inline constexpr double default_exposure = 0.3;
+
 enum ExitCode { exit_done = 0, exit_failed = 1, exit_wrong_use = 2, exit_stopped = 3 };
 
 /// Prints an error to stderr, with --json as {"error": …} to stdout too. Returns exit_failed.
@@ -15,13 +18,14 @@ int report_error(const Error& error, bool json);
 struct ScanOptions {
   std::string bench, plan, out, preview, pictures;
   std::string size = "1024x768";
+  double exposure = default_exposure;
   bool resume = false, json = false;
 };
 int run_scan(const ScanOptions& options);
 
 struct RenderOptions {
   std::string luminaire, scene, method = "closed-form", size = "1024x768", out;
-  double exposure = 1, white = 0;
+  double exposure = default_exposure, white = 0;
   bool json = false;
 };
 int run_render(const RenderOptions& options);

@@ -54,7 +54,7 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
                                 {"time_s", seconds},
                                 {"kernel_s", (*renderer)->last_kernel_s()},
                                 {"average_luminance", average_luminance(*picture)},
-                                {"shadows", false},
+                                {"left_out", picture->note},
                                 {"opengl", info.opengl},
                                 {"opencl", info.opencl}};
 }
@@ -67,8 +67,9 @@ int run_render(const RenderOptions& options) {
   if (options.json)
     std::printf("%s\n", result->dump().c_str());
   else
-    std::printf("%s: %d of %d cells, without shadows, %.2f s\n", options.out.c_str(), (*result)["cells"].get<int>(),
-                (*result)["cells_total"].get<int>(), (*result)["time_s"].get<double>());
+    std::printf("%s: %d of %d cells, %.2f s; left out: %s\n", options.out.c_str(), (*result)["cells"].get<int>(),
+                (*result)["cells_total"].get<int>(), (*result)["time_s"].get<double>(),
+                (*result)["left_out"].get<std::string>().c_str());
   return exit_done;
 }
 

@@ -62,11 +62,12 @@ Result<ScanRequest> make_request(const ScanOptions& options) {
 }
 
 /// NAME_005.png and the linear NAME_005.exr.
-Status write_pictures(const PictureMade& made, const std::filesystem::path& folder, const std::string& name) {
+Status write_pictures(const PictureMade& made, const std::filesystem::path& folder, const std::string& name,
+                      double exposure) {
   char share[8];
   std::snprintf(share, sizeof share, "_%03.0f", 100 * made.share);
   const std::filesystem::path stem = folder / (name + share);
-  if (Status png = write_png(tone_map(made.picture, {}), stem.string() + ".png"); !png) return png;
+  if (Status png = write_png(tone_map(made.picture, {exposure, 0}), stem.string() + ".png"); !png) return png;
   return write_exr(made.picture, stem.string() + ".exr");
 }
 
@@ -90,8 +91,8 @@ int run_scan(const ScanOptions& options) {
     if (const auto* progress = std::get_if<ScanProgress>(&*event)) line.show(*progress);
     if (const auto* notice = std::get_if<Notice>(&*event)) line.say(notice->text);
     if (const auto* made = std::get_if<PictureMade>(&*event)) {
-      line.say("picture with " + std::to_string(made->cells) + " cells, without shadows");
-      if (Status written = write_pictures(*made, pictures, out.stem().string()); !written)
+      line.say("picture with " + std::to_string(made->cells) + " cells; " + made->picture.note);
+      if (Status written = write_pictures(*made, pictures, out.stem().string(), options.exposure); !written)
         picture_error = written.error();
     }
   }

@@ -141,8 +141,8 @@ def corner(folder):
     materials = {"floor": [0.62, 0.58, 0.52], "wall": [0.75, 0.75, 0.73], "blue": [0.35, 0.48, 0.7],
                  "clay": [0.75, 0.42, 0.3], "white": [0.8, 0.8, 0.8]}
     mesh.write(folder, materials)
-    camera = {"position_mm": [2350, 2350, 1350], "target_mm": [330, 330, 560], "up": [0, 0, 1], "fov_y_deg": 35}
-    scene(folder, "corner", camera, [pose([900, 900, 620], [150, 150, 370])])
+    camera = {"position_mm": [2350, 2350, 1350], "target_mm": [300, 300, 470], "up": [0, 0, 1], "fov_y_deg": 25}
+    scene(folder, "corner", camera, [pose([1000, 1000, 760], [220, 220, 330])])
     return mesh.triangles
 
 
