@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "tests/support/csv_table.h"
 
@@ -10,7 +11,7 @@ namespace {
 
 class PointsCsv : public testing::Test {
  protected:
-  std::filesystem::path file_ = std::filesystem::path(testing::TempDir()) / "points.csv";
+  std::filesystem::path file_ = std::filesystem::path(testing::TempDir()) / ("points_" + std::to_string(getpid()) + ".csv");
   Result<std::vector<Receiver>> read(const std::string& text) {
     std::ofstream(file_) << text;
     return read_points_csv(file_);

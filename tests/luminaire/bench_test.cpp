@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 namespace lumifield {
 namespace {
@@ -147,7 +148,7 @@ TEST(Bench, NotFiniteNumbersDoNotComeBack) {
 }
 
 TEST(Bench, ReadsFilesAndSaysWhyNot) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "bench_test";
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / ("bench_test_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "bench.json") << documented;
   EXPECT_TRUE(read_bench(folder / "bench.json"));

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 namespace lumifield {
 namespace {
@@ -27,7 +28,7 @@ class SceneFile : public testing::Test {
     const Result<Scene> scene = parse_scene(json.dump(), "scene.json", folder_);
     return scene ? "accepted" : scene.error().message();
   }
-  fs::path folder_ = fs::path(testing::TempDir()) / "scene_test" / "scenes";
+  fs::path folder_ = fs::path(testing::TempDir()) / ("scene_test_" + std::to_string(getpid())) / "scenes";
 };
 
 TEST_F(SceneFile, ReadsTheDocumentedFile) {
