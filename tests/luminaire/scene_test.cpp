@@ -28,7 +28,7 @@ class SceneFile : public testing::Test {
     const Result<Scene> scene = parse_scene(json.dump(), "scene.json", folder_);
     return scene ? "accepted" : scene.error().message();
   }
-  fs::path folder_ = fs::path(testing::TempDir()) / ("scene_test_" + std::to_string(getpid())) / "scenes";
+  fs::path folder_ = fs::path(testing::TempDir()) / std::string("scene_test_").append(std::to_string(getpid())) / "scenes";
 };
 
 TEST_F(SceneFile, ReadsTheDocumentedFile) {
