@@ -1,8 +1,10 @@
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <thread>
+#include <unistd.h>
 
 #include "app/cli/commands.h"
 #include "app/cli/scan_report.h"
@@ -15,28 +17,42 @@ namespace lumifield {
 
 namespace {
 
-/// Turns SIGINT and SIGTERM into a stop of the session. The signals are blocked in every thread and taken by one.
+/// SIGINT, SIGTERM and SIGHUP (a lost terminal) stop the session; a second one ends the program at once. They are
+/// blocked in every thread, so that this one alone takes them.
 class StopOnSignal {
  public:
-  StopOnSignal() {
-    sigemptyset(&signals_);
-    sigaddset(&signals_, SIGINT);
-    sigaddset(&signals_, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+  static sigset_t block() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+    return signals;
   }
-  void watch(ScanSession& session) {
-    thread_ = std::jthread([this, &session](std::stop_token stop) {
-      const timespec tick{0, 100'000'000};
-      while (!stop.stop_requested())
-        if (sigtimedwait(&signals_, nullptr, &tick) > 0) session.stop();
-    });
-  }
-  void end() { thread_ = {}; }
+  StopOnSignal(const sigset_t& signals, ScanSession& session)
+      : thread_([signals, &session](std::stop_token stop) {
+          const timespec tick{0, 100'000'000};
+          for (int taken = 0; !stop.stop_requested();) {
+            const int signal = sigtimedwait(&signals, nullptr, &tick);
+            if (signal <= 0) continue;
+            if (++taken > 1) _exit(128 + signal);
+            session.stop();
+          }
+        }) {}
 
  private:
-  sigset_t signals_;
   std::jthread thread_;
 };
+
+/// The folder for the pictures, made when it is not there, before anything moves.
+Status prepare_folder(const std::filesystem::path& folder) {
+  std::error_code wrong;
+  std::filesystem::create_directories(folder, wrong);
+  if (!wrong && access(folder.c_str(), W_OK) != 0) wrong = std::error_code(errno, std::generic_category());
+  if (wrong)
+    return fail("pictures cannot be written there: " + wrong.message(), folder.string(),
+                "name another folder with --pictures");
+  return {};
+}
 
 Result<ScanRequest> make_request(const ScanOptions& options) {
   ScanRequest request;
@@ -77,13 +93,17 @@ int run_scan(const ScanOptions& options) {
   auto request = make_request(options);
   if (!request) return report_error(request.error(), options.json);
   const std::filesystem::path out = request->out;
-  const std::filesystem::path pictures =
-      options.pictures.empty() ? out.parent_path() : std::filesystem::path(options.pictures);
+  const std::filesystem::path pictures = !options.pictures.empty() ? std::filesystem::path(options.pictures)
+                                         : out.has_parent_path()   ? out.parent_path()
+                                                                   : ".";
 
-  StopOnSignal signals;
+  if (request->preview)
+    if (Status prepared = prepare_folder(pictures); !prepared) return report_error(prepared.error(), options.json);
+
+  const sigset_t signals = StopOnSignal::block();
   auto session = ScanSession::start(std::move(*request));
   if (!session) return report_error(session.error(), options.json);
-  signals.watch(**session);
+  std::optional<StopOnSignal> watcher(std::in_place, signals, **session);
 
   ProgressLine line;
   std::optional<Error> picture_error;
@@ -92,12 +112,14 @@ int run_scan(const ScanOptions& options) {
     if (const auto* notice = std::get_if<Notice>(&*event)) line.say(notice->text);
     if (const auto* made = std::get_if<PictureMade>(&*event)) {
       line.say("picture with " + std::to_string(made->cells) + " cells; " + made->picture.note);
-      if (Status written = write_pictures(*made, pictures, out.stem().string(), options.exposure); !written)
+      if (Status written = write_pictures(*made, pictures, out.stem().string(), options.exposure); !written) {
+        line.say("lumifield: " + written.error().message());
         picture_error = written.error();
+      }
     }
   }
   line.end();
-  signals.end();
+  watcher.reset();
 
   auto summary = (*session)->wait();
   if (!summary) {
@@ -105,8 +127,7 @@ int run_scan(const ScanOptions& options) {
     return summary.error().what == stopped_by_operator ? exit_stopped : exit_failed;
   }
   std::fputs((options.json ? summary_json(*summary) + "\n" : summary_text(*summary)).c_str(), stdout);
-  if (picture_error) return report_error(*picture_error, false);
-  return exit_done;
+  return picture_error ? exit_failed : exit_done;
 }
 
 }  // namespace lumifield

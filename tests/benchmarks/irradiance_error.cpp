@@ -1,5 +1,6 @@
 // Receivers before a lamp, and the error of one table of irradiances against another.
 //   irradiance_error points NEAR_MM FAR_MM COUNT SEED > points.csv
+//   irradiance_error lit TRUTH.csv COUNT > points.csv     the first COUNT whose E_Y·d² is at least 1 % of the largest
 //   irradiance_error compare MEASURED.csv REFERENCE.csv [LIMIT]
 // compare prints, per channel E_* of MEASURED, the relative RMSE (RMS error over the mean of the reference) and the
 // median and largest |error|/reference; with LIMIT it fails when a relative RMSE is above it.
@@ -37,6 +38,25 @@ void print_points(double near_mm, double far_mm, int count, unsigned seed) {
   }
 }
 
+/// Where the lamp shines: elsewhere a relative error says nothing, and dark receivers only dilute the mean.
+int print_lit(const std::string& truth_file, int count) {
+  const auto table = lumifield::test::read_csv_table(truth_file);
+  const std::size_t n = table.at("E_Y").size();
+  std::vector<double> intensity(n);
+  for (std::size_t k = 0; k < n; ++k)
+    intensity[k] =
+        table.at("E_Y")[k] * Vec3(table.at("x_mm")[k], table.at("y_mm")[k], table.at("z_mm")[k]).squaredNorm();
+  const double least = 0.01 * *std::max_element(intensity.begin(), intensity.end());
+  std::puts("x_mm,y_mm,z_mm,nx,ny,nz");
+  for (std::size_t k = 0; k < n && count > 0; ++k) {
+    if (intensity[k] < least) continue;
+    for (const char* name : {"x_mm", "y_mm", "z_mm", "nx", "ny"}) std::printf("%.17g,", table.at(name)[k]);
+    std::printf("%.17g\n", table.at("nz")[k]);
+    --count;
+  }
+  return count > 0;
+}
+
 int compare(const std::string& measured_file, const std::string& reference_file, double limit) {
   const auto measured = lumifield::test::read_csv_table(measured_file);
   const auto reference = lumifield::test::read_csv_table(reference_file);
@@ -70,9 +90,10 @@ int main(int argc, char** argv) {
     print_points(std::atof(argv[2]), std::atof(argv[3]), std::atoi(argv[4]), static_cast<unsigned>(std::atoi(argv[5])));
     return 0;
   }
+  if (what == "lit" && argc == 4) return print_lit(argv[2], std::atoi(argv[3]));
   if (what == "compare" && argc >= 4) return compare(argv[2], argv[3], argc > 4 ? std::atof(argv[4]) : INFINITY);
-  std::fprintf(
-      stderr,
-      "usage: irradiance_error points NEAR_MM FAR_MM COUNT SEED | compare MEASURED.csv REFERENCE.csv [LIMIT]\n");
+  std::fprintf(stderr,
+               "usage: irradiance_error points NEAR_MM FAR_MM COUNT SEED | lit TRUTH.csv COUNT | compare MEASURED.csv "
+               "REFERENCE.csv [LIMIT]\n");
   return 2;
 }
