@@ -89,8 +89,9 @@ AravisCamera::~AravisCamera() {
 }
 
 Status AravisCamera::start() {
+  GFault ignored;  // a program that died may have left it streaming; a camera that is idle may refuse to stop
+  arv_camera_stop_acquisition(camera_.get(), ignored.out());
   GFault fault;
-  arv_camera_stop_acquisition(camera_.get(), fault.out());  // a program that died may have left it streaming
   info_ = {text_or_empty(arv_camera_get_vendor_name(camera_.get(), fault.out())),
            text_or_empty(arv_camera_get_model_name(camera_.get(), fault.out())),
            text_or_empty(arv_camera_get_device_serial_number(camera_.get(), fault.out())),

@@ -4,10 +4,13 @@
 #include <array>
 #include <arv.h>
 #include <atomic>
+#include <filesystem>
+#include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <memory>
 #include <netinet/in.h>
+#include <unistd.h>
 
 #include "acquisition/cameras/pixel_layout.h"
 #include "tests/support/own_network.h"
@@ -24,9 +27,10 @@ constexpr int width = 128, height = 96;
 /// tells frame number, exposure and place.
 class GigeDouble {
  public:
-  explicit GigeDouble(double lost_ratio = 0, double trigger_hz = 1000)
-      : server_(ARV_GV_FAKE_CAMERA(g_object_new(ARV_TYPE_GV_FAKE_CAMERA, "interface-name", address, "serial-number",
-                                                "D1", "gvsp-lost-ratio", lost_ratio, nullptr))) {
+  explicit GigeDouble(double lost_ratio = 0, double trigger_hz = 1000, const char* description = nullptr)
+      : server_(
+            ARV_GV_FAKE_CAMERA(g_object_new(ARV_TYPE_GV_FAKE_CAMERA, "interface-name", address, "serial-number", "D1",
+                                            "gvsp-lost-ratio", lost_ratio, "genicam-filename", description, nullptr))) {
     EXPECT_TRUE(arv_gv_fake_camera_is_running(server_));
     camera_ = arv_gv_fake_camera_get_fake_camera(server_);
     arv_fake_camera_write_register(camera_, ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, width);
@@ -122,6 +126,34 @@ TEST_F(AravisCamera, FramesAreBitExactAndNewerThanTheirTrigger) {
     last_id = image->frame_id;
   }
   EXPECT_EQ(camera->frames_retaken(), 0);
+}
+
+/// The built-in description without AcquisitionStop, so that stopping fails.
+std::string description_without_stop() {
+  ArvFakeCamera* camera = arv_fake_camera_new("D0");
+  std::size_t size = 0;
+  const char* text = arv_fake_camera_get_genicam_xml(camera, &size);
+  std::string description(text, size);
+  g_object_unref(camera);
+  const std::string name = "Name=\"AcquisitionStop\"";
+  const std::size_t at = description.find(name);
+  EXPECT_NE(at, std::string::npos);
+  if (at != std::string::npos) description.replace(at, name.size(), "Name=\"AcquisitionHalt\"");
+  return description;
+}
+
+TEST_F(AravisCamera, MayRefuseToStopWhileIdle) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / ("no_stop_" + std::to_string(getpid()) + ".xml");
+  std::ofstream(file) << description_without_stop();
+  {
+    GigeDouble server(0, 1000, file.c_str());
+    const auto camera = open(settings());
+    ASSERT_NE(camera, nullptr);
+    EXPECT_EQ(camera->info().serial, "D1");
+    EXPECT_TRUE(camera->expose(0.002));
+  }
+  std::filesystem::remove(file);
 }
 
 TEST_F(AravisCamera, TakesFormatAndGainFromTheSettings) {
