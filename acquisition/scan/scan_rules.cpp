@@ -117,9 +117,10 @@ Status check_separation(const Bench& bench, const Plan& plan, const std::string&
   const Vec2 half_window = bench.filter.window * bench.filter.spacing_mm / 2;
   const Vec2 needed = half_grid + half_lamp + half_window;
 
+  // Far enough along one axis is enough: only one of two places is then within reach of the lamp.
   int axis = 0;
-  apart.maxCoeff(&axis);
-  if (apart[axis] >= needed[axis] - kRounding) return {};
+  const double spare = (apart - needed).maxCoeff(&axis);
+  if (spare >= -kRounding) return {};
   return fail(name_i + " and " + name_j + " stand " + say(apart[axis]) + " mm apart along " + axis_name(axis) + "; " +
                   say(needed[axis]) + " mm are needed (half the grid " + say(half_grid[axis]) + " + half the lamp " +
                   say(half_lamp[axis]) + " + half the dual window " + say(half_window[axis]) +

@@ -54,6 +54,20 @@ TEST(ScanRules, FiltersStandFarEnoughApart) {
   EXPECT_THAT(refusal(bench, shifted).what, HasSubstr("48.7 mm are needed"));
 }
 
+TEST(ScanRules, OneAxisFarEnoughApartIsEnough) {
+  // 63 mm are needed along x, 48.5 mm along y: the larger distance need not be the one that suffices.
+  Bench bench = bell_bench();
+  bench.filter.dark_offset_mm = {0, -70};
+  bench.filter.passes[1].offset_mm = {60, 48.5};
+  bench.limits = {{-500, -500}, {500, 500}};
+  const auto scan = make_scan_plan(bench, bell_plan());
+  EXPECT_TRUE(scan) << scan.error().message();
+
+  // Neither suffices: told is the one that lacks least.
+  bench.filter.passes[1].offset_mm = {60, 48};
+  EXPECT_THAT(refusal(bench, bell_plan()).what, HasSubstr("stand 48 mm apart along y; 48.5 mm are needed"));
+}
+
 TEST(ScanRules, ApartCountsOnPlaneU) {
   Bench bench = bell_bench();
   bench.stage_to_luminaire.linear << 0.5, 0, 0, 1;
