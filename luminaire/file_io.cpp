@@ -112,6 +112,10 @@ Result<std::string> read_file(const fs::path& file, std::uintmax_t most_bytes) {
 fs::path temporary_name(const fs::path& file) { return fs::path(file) += ".tmp"; }
 
 Status write_file_durably(const fs::path& file, std::string_view bytes) {
+  // The rename would put a file in the place of a device or a pipe
+  struct stat old {};
+  if (::stat(file.c_str(), &old) == 0 && !S_ISREG(old.st_mode))
+    return fail("is no regular file", file.string(), "choose another name");
   const fs::path temporary = temporary_name(file);
   FileHandle handle(open_retrying(temporary, O_WRONLY | O_CREAT | O_TRUNC, file_mode));
   if (!handle) return system_failure("could not be made", temporary, errno);

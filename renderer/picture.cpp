@@ -42,14 +42,6 @@ Status size_status(int width_px, int height_px, std::size_t values, const std::f
   return fail("an empty picture", file.string(), "render one first");
 }
 
-/// Makes or replaces a file as a whole.
-Status write_file(const std::filesystem::path& file, std::string_view bytes) {
-  std::error_code ignored;
-  if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
-    return fail("not an ordinary file", file.string(), "choose another name");
-  return write_file_durably(file, bytes);
-}
-
 }  // namespace
 
 double average_luminance(const Picture& picture) {
@@ -89,7 +81,7 @@ Status write_png(const Picture8& picture, const std::filesystem::path& file) {
   png_alloc_size_t size = bytes.size();
   if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, picture.srgb.data(), 0, nullptr))
     return fail(std::string("libpng says: ") + image.message, file.string(), "render a smaller picture");
-  return write_file(file, std::string_view(bytes).substr(0, size));
+  return write_file_durably(file, std::string_view(bytes).substr(0, size));
 }
 
 Status write_exr(const Picture& picture, const std::filesystem::path& file) try {
@@ -113,7 +105,7 @@ Status write_exr(const Picture& picture, const std::filesystem::path& file) try 
     output.setFrameBuffer(pixels);
     output.writePixels(picture.height_px);
   }
-  return write_file(file, stream.str());
+  return write_file_durably(file, stream.str());
 } catch (const std::exception& exception) {
   return fail(std::string("OpenEXR says: ") + exception.what(), file.string(), "render a smaller picture");
 }

@@ -155,8 +155,8 @@ TEST_F(PictureFile, WhatCannotBeWrittenLeavesNothing) {
   EXPECT_THAT(write_exr(picture, folder_ / "absent" / "a.exr").error().message(),
               HasSubstr("could not be made: No such file"));
   fs::create_directory(folder_ / "folder.png");
-  EXPECT_THAT(write_png(mapped, folder_ / "folder.png").error().message(), HasSubstr("not an ordinary file"));
-  EXPECT_THAT(write_exr(picture, "/dev/full").error().message(), HasSubstr("not an ordinary file"));
+  EXPECT_THAT(write_png(mapped, folder_ / "folder.png").error().message(), HasSubstr("is no regular file"));
+  EXPECT_THAT(write_exr(picture, "/dev/full").error().message(), HasSubstr("is no regular file"));
   EXPECT_FALSE(write_png({}, folder_ / "a.png"));
   EXPECT_FALSE(write_exr({}, folder_ / "a.exr"));
   EXPECT_EQ(files(), 1);
