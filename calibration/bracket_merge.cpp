@@ -71,8 +71,8 @@ struct Lanes {
   std::vector<Lane> counts;      ///< 1 where unsaturated, by exposure
   std::vector<Lane> weight;      ///< w_k, by exposure
   std::vector<Lane> dark_share;  ///< d(sum)/d(electrons of that dark frame)
-  Lane dark_rate, rate, weight_sum, bound;
-  Lane value, variance, valid, electrons;
+  Lane dark_rate{}, rate{}, weight_sum{};
+  Lane value{}, variance{}, valid{}, electrons{};
   Lane unused{};  ///< share of a dark frame that is not there
 };
 
