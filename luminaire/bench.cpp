@@ -163,6 +163,7 @@ Json json_of(const FilterSlide& f) {
 Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vector<std::string>* defaults_taken) {
   Result<JsonDocument> document = JsonDocument::parse(json, name);
   if (!document) return tl::unexpected(document.error());
+  document->note_unknown_keys();
   if (Status ok = document->check_format(format, version); !ok) return tl::unexpected(ok.error());
   const JsonValue root = document->root();
   Bench b;

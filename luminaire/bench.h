@@ -97,7 +97,7 @@ struct Bench {
   FilterSlide filter;
 };
 
-/// Defaults taken for absent members are appended to `defaults_taken`, one text each.
+/// Defaults taken for absent members, and members that are not known, are told in `defaults_taken`, one text each.
 Result<Bench> read_bench(const std::filesystem::path& file, std::vector<std::string>* defaults_taken = nullptr);
 /// `name` stands for the file in error messages.
 Result<Bench> parse_bench(std::string_view json, std::string_view name,

@@ -9,6 +9,8 @@
 namespace lumifield {
 namespace {
 
+constexpr std::size_t most_unknown_told = 20;
+
 /// Counts brackets and separators outside strings, so that depth and memory are known before the text is parsed.
 Status check_limits(std::string_view json, std::string_view name, const JsonLimits& limits) {
   const auto refuse = [&](const std::string& what) {
@@ -97,11 +99,33 @@ Status JsonDocument::status() const {
   return {};
 }
 
-Status JsonDocument::finish(std::vector<std::string>* defaults_taken) const {
+Status JsonDocument::finish(std::vector<std::string>* notes) const {
   if (error_) return status();
-  if (defaults_taken)
-    for (const std::string& each : defaults_) defaults_taken->push_back(name_ + ": " + each);
+  if (!notes) return {};
+  for (const std::string& each : defaults_) notes->push_back(name_ + ": " + each);
+  std::vector<std::string> unknown;
+  if (notes_unknown_) collect_unknown(*json_, "", unknown);
+  for (std::size_t k = 0; k < std::min(unknown.size(), most_unknown_told); ++k)
+    notes->push_back(name_ + ": " + unknown[k] + " is not known and ignored");
+  if (unknown.size() > most_unknown_told)
+    notes->push_back(name_ + ": " + std::to_string(unknown.size() - most_unknown_told) +
+                     " more members are not known and ignored");
   return {};
+}
+
+void JsonDocument::collect_unknown(const nlohmann::json& value, const std::string& place,
+                                   std::vector<std::string>& unknown) const {
+  if (value.is_array())
+    for (std::size_t k = 0; k < value.size(); ++k)
+      collect_unknown(value[k], place + "[" + std::to_string(k) + "]", unknown);
+  if (!visited_.contains(&value)) return;
+  for (const auto& [key, member] : value.items()) {
+    const std::string at = place.empty() ? key : place + "." + key;
+    if (asked_.contains(&member))
+      collect_unknown(member, at, unknown);
+    else
+      unknown.push_back(at.substr(0, 200));
+  }
 }
 
 bool JsonValue::is_null() const { return value_ && value_->is_null(); }
@@ -127,7 +151,12 @@ JsonValue JsonValue::operator[](std::string_view key) const {
   std::string place = place_.empty() ? std::string(key) : place_ + "." + std::string(key);
   if (!present() || !require(value_->is_object(), "an object")) return {document_, nullptr, std::move(place)};
   const auto found = value_->find(std::string(key));
-  return {document_, found == value_->end() ? nullptr : &*found, std::move(place)};
+  const nlohmann::json* member = found == value_->end() ? nullptr : &*found;
+  if (document_->notes_unknown_) {
+    document_->visited_.insert(value_);
+    if (member) document_->asked_.insert(member);
+  }
+  return {document_, member, std::move(place)};
 }
 
 JsonValue JsonValue::element(std::size_t k) const {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,7 +21,7 @@ namespace lumifield {
 /// A document remembers the first thing found wrong and its place ("bench.json: camera.readout_s"); after that every
 /// access returns a value of the asked type without meaning, so that a parser reads straight through and asks
 /// `status()` once at its end. A parser must not act on values (allocate, index) before it asked. Defaults taken are
-/// recorded. Unknown keys are ignored. Thread-bound.
+/// recorded. Unknown keys are ignored, and recorded on demand. Thread-bound.
 
 /// Numbers allowed; `open_low` leaves `low` itself out.
 struct Range {
@@ -108,17 +109,23 @@ class JsonDocument {
   Status check_format(std::string_view format, int version);
   /// The first thing found wrong.
   Status status() const;
-  /// Same, with the file's name and the defaults taken handed over when all is right.
-  Status finish(std::vector<std::string>* defaults_taken) const;
+  /// From now on keys of visited objects that nobody asks for are recorded. Before the first access.
+  void note_unknown_keys() { notes_unknown_ = true; }
+  /// Same as status(), with defaults taken and unknown keys appended to `notes`, if given, when all is right; each with
+  /// the file's name.
+  Status finish(std::vector<std::string>* notes) const;
   const std::vector<std::string>& defaults() const { return defaults_; }
 
  private:
   friend class JsonValue;
   explicit JsonDocument(std::string name);
+  void collect_unknown(const nlohmann::json& value, const std::string& place, std::vector<std::string>& unknown) const;
   std::string name_;
   std::unique_ptr<nlohmann::json> json_;
   std::optional<Error> error_;
   std::vector<std::string> defaults_;
+  bool notes_unknown_ = false;
+  std::set<const nlohmann::json*> visited_, asked_;  ///< objects with an access to members; values asked for
 };
 
 /// Text of a JSON file: two spaces a level, arrays of numbers in one line, a final newline.

@@ -40,6 +40,7 @@ QualityLimits read_limits(const JsonValue& at) {
 Result<Plan> parse_plan(std::string_view json, std::string_view name, std::vector<std::string>* defaults_taken) {
   Result<JsonDocument> document = JsonDocument::parse(json, name);
   if (!document) return tl::unexpected(document.error());
+  document->note_unknown_keys();
   if (Status ok = document->check_format(format, version); !ok) return tl::unexpected(ok.error());
   const JsonValue root = document->root();
   Plan p;

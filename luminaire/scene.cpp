@@ -56,6 +56,7 @@ Result<Scene> parse_scene(std::string_view json, std::string_view name, const st
                           std::vector<std::string>* defaults_taken) {
   Result<JsonDocument> document = JsonDocument::parse(json, name);
   if (!document) return tl::unexpected(document.error());
+  document->note_unknown_keys();
   if (Status ok = document->check_format(format, version); !ok) return tl::unexpected(ok.error());
   const JsonValue root = document->root();
   Scene scene;

@@ -38,7 +38,7 @@ struct Scene {
   std::optional<std::filesystem::path> environment;  ///< OpenEXR, latitude-longitude
 };
 
-/// Defaults taken for absent members are appended to `defaults_taken`, one text each.
+/// Defaults taken for absent members, and members that are not known, are told in `defaults_taken`, one text each.
 Result<Scene> read_scene(const std::filesystem::path& file, std::vector<std::string>* defaults_taken = nullptr);
 /// `folder` is where relative paths start.
 Result<Scene> parse_scene(std::string_view json, std::string_view name, const std::filesystem::path& folder,

@@ -49,11 +49,7 @@ Result<std::string> format_of(const std::string& path) {
 
 template <class T>
 void take(Finding& finding, const Result<T>& read) {
-  if (!read) {
-    finding.problems.push_back(read.error().message());
-    return;
-  }
-  if constexpr (requires { to_json(*read); }) finding.detail = "read, with its defaults, as " + to_json(*read);
+  if (!read) finding.problems.push_back(read.error().message());
 }
 
 Finding check_file(const std::string& path) {
@@ -65,11 +61,11 @@ Finding check_file(const std::string& path) {
   }
   finding.kind = *format;
   if (*format == "lumifield-bench")
-    take(finding, read_bench(path));
+    take(finding, read_bench(path, &finding.notes));
   else if (*format == "lumifield-plan")
-    take(finding, read_plan(path));
+    take(finding, read_plan(path, &finding.notes));
   else if (*format == "lumifield-scene")
-    take(finding, read_scene(path));
+    take(finding, read_scene(path, &finding.notes));
   else
     finding.problems.push_back(
         Error{"format '" + *format + "' is not known", path, "name a dataset folder, a bench, a plan or a scene"}

@@ -148,7 +148,8 @@ TEST(Bench, NotFiniteNumbersDoNotComeBack) {
 }
 
 TEST(Bench, ReadsFilesAndSaysWhyNot) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / ("bench_test_" + std::to_string(getpid()));
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("bench_test_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "bench.json") << documented;
   EXPECT_TRUE(read_bench(folder / "bench.json"));
@@ -156,6 +157,18 @@ TEST(Bench, ReadsFilesAndSaysWhyNot) {
               HasSubstr("No such file or directory; check the path"));
   EXPECT_THAT(read_bench(folder).error().message(), HasSubstr("is no regular file"));
   std::filesystem::remove_all(folder);
+}
+
+TEST(Bench, TellsWhatItDoesNotKnow) {
+  std::vector<std::string> notes;
+  const std::string written = to_json(*parse_bench(documented, "bench.json"));
+  ASSERT_TRUE(parse_bench(written, "bench.json", &notes));
+  EXPECT_THAT(notes, testing::Not(testing::Contains(HasSubstr("is not known"))));
+  Json json = Json::parse(written);
+  json["filter"]["passes"][0]["ofset_mm"] = {1, 2};
+  notes.clear();
+  ASSERT_TRUE(parse_bench(json.dump(), "bench.json", &notes));
+  EXPECT_THAT(notes, testing::Contains("bench.json: filter.passes[0].ofset_mm is not known and ignored"));
 }
 
 }  // namespace

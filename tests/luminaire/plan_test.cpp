@@ -42,6 +42,30 @@ TEST(Plan, ReadsTheDocumentedFile) {
   EXPECT_THAT(defaults, testing::ElementsAre("plan.json: name is absent, taken as \"\""));
 }
 
+TEST(Plan, TellsWhatItDoesNotKnow) {
+  Json json = Json::parse(documented);
+  json["dark_every_cell"] = 5;
+  json["measurement"]["colour"] = {{"inner", 1}};
+  std::vector<std::string> notes;
+  ASSERT_TRUE(parse_plan(json.dump(), "plan.json", &notes));
+  EXPECT_THAT(notes, testing::ElementsAre("plan.json: name is absent, taken as \"\"",
+                                          "plan.json: dark_every_cell is not known and ignored",
+                                          "plan.json: measurement.colour is not known and ignored"));
+
+  json = Json::parse(documented);
+  for (int k = 0; k < 1000; ++k) json["key" + std::to_string(k)] = k;
+  notes.clear();
+  ASSERT_TRUE(parse_plan(json.dump(), "plan.json", &notes));
+  EXPECT_EQ(notes.size(), 22u);
+  EXPECT_EQ(notes.back(), "plan.json: 980 more members are not known and ignored");
+}
+
+TEST(Plan, KnowsAllThatItWrites) {
+  std::vector<std::string> notes;
+  ASSERT_TRUE(parse_plan(to_json(*parse_plan(documented, "plan.json")), "plan.json", &notes));
+  EXPECT_THAT(notes, testing::IsEmpty());
+}
+
 TEST(Plan, ReturnsTheSameAfterWritingAndReading) {
   Plan plan = *parse_plan(documented, "plan.json");
   plan.name = "quick";
