@@ -43,7 +43,8 @@ class Stage {
 /// Errors: path missing, busy, silent, garbage, an alarm that homing does not clear, kind unknown.
 Result<std::unique_ptr<Stage>> open_stage(const StageSettings& settings);
 
-/// Serial ports that look like a stage (/dev/ttyUSB*, /dev/ttyACM*) and `path` if given, usable or not.
+/// Serial ports that look like a stage (/dev/tty{USB,ACM}*) and `path` if given, usable or not; none is stopped or
+/// reset.
 std::vector<DeviceReport> find_stages(const std::string& path = {});
 
 }  // namespace lumifield

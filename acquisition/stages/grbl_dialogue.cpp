@@ -49,21 +49,36 @@ Result<std::unique_ptr<GrblDialogue>> GrblDialogue::open(const std::string& path
   return dialogue;
 }
 
+Result<std::string> GrblDialogue::listen(const std::string& path) {
+  Result<std::unique_ptr<SerialLink>> link = SerialLink::open(path, baud);
+  if (!link) return tl::unexpected(link.error());
+  GrblDialogue dialogue(std::move(*link));
+  const Result<std::string> greeting = dialogue.await_greeting(std::nullopt);
+  if (!greeting) return greeting;
+  return is_grbl_banner(*greeting) ? greeting->substr(0, greeting->find(" [")) : "Grbl controller";
+}
+
 Status GrblDialogue::wake() {
+  const Result<std::string> greeting = await_greeting(wake_reset_after);
+  if (!greeting) return tl::unexpected(greeting.error());
+  // A former owner may have left it moving.
+  const auto status = parse_grbl_status(*greeting);
+  return status && is_moving(*status) ? stop_and_reset() : reset();
+}
+
+Result<std::string> GrblDialogue::await_greeting(std::optional<milliseconds> reset_after) {
   const Clock::time_point start = Clock::now();
   while (Clock::now() < start + wake_time) {
-    send_now(Clock::now() < start + wake_reset_after ? '?' : reset_byte);
+    send_now(reset_after && Clock::now() >= start + *reset_after ? reset_byte : '?');
     const Clock::time_point next = Clock::now() + wake_period;
     while (left_until(next) > milliseconds(0)) {
       const LinkResult<std::string> line = link_->read_line(left_until(next));
       if (!line && line.error() == LinkFault::hang_up) return link_error(line.error());
       if (!line && line.error() == LinkFault::overlong) unreadable_line_ = "no line end";
       if (!line) continue;
-
-      // A former owner may have left it moving.
-      if (const auto status = parse_grbl_status(*line)) return is_moving(*status) ? stop_and_reset() : reset();
-      if (is_grbl_banner(*line)) return reset();
-      if (Status noted = note(*line); !noted && unreadable_lines_ >= unreadable_limit) return noted;
+      if (parse_grbl_status(*line) || is_grbl_banner(*line)) return *line;
+      if (Status noted = note(*line); !noted && unreadable_lines_ >= unreadable_limit)
+        return tl::unexpected(noted.error());
     }
   }
   return silent("3 s");

@@ -24,6 +24,11 @@ class GrblDialogue {
   /// and settings. Errors: as SerialLink::open; silent; unreadable; not GRBL 1.1; a setting missing.
   static Result<std::unique_ptr<GrblDialogue>> open(const std::string& path);
 
+  /// Opens the port and asks `?` until a GRBL controller shows itself, 3 s at most: its banner or "Grbl controller".
+  /// Sends nothing else, so that it goes on with what it does; boards that restart when the port is opened still do.
+  /// Errors: as open(), and a controller in a critical alarm, which answers nothing but a reset, counts as silent.
+  static Result<std::string> listen(const std::string& path);
+
   const std::string& path() const { return link_->path(); }
   const std::string& firmware() const { return firmware_; }
   /// `$number` as read on opening; it is there for every number in `required_settings`.
@@ -53,6 +58,8 @@ class GrblDialogue {
   explicit GrblDialogue(std::unique_ptr<SerialLink> link) : link_(std::move(link)) {}
 
   Status wake();
+  /// Asks `?`, after `reset_after`, if given, resets instead; the first report or banner that comes.
+  Result<std::string> await_greeting(std::optional<Milliseconds> reset_after);
   Status read_identity();
   /// Takes note of a line that answers nothing.
   Status note(const std::string& line);

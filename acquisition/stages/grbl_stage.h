@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "acquisition/stage.h"
 
@@ -21,5 +22,8 @@ namespace lumifield {
 ///
 /// Errors beyond those of Stage: controller restarted, put on hold or door opened by hand, unreadable answers, hang-up.
 Result<std::unique_ptr<Stage>> open_grbl_stage(const StageSettings& settings);
+
+/// The name of the controller at a port, asked for without disturbing it: neither reset nor hold.
+Result<std::string> identify_grbl_stage(const std::string& path);
 
 }  // namespace lumifield

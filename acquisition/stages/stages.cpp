@@ -10,11 +10,12 @@ namespace {
 struct StageKind {
   std::string_view name;
   Result<std::unique_ptr<Stage>> (*open)(const StageSettings&);
+  Result<std::string> (*identify)(const std::string& path);
 };
 
 // A new kind is a file beside this one and a line here.
 constexpr StageKind kinds[] = {
-    {"grbl", open_grbl_stage},
+    {"grbl", open_grbl_stage, identify_grbl_stage},
 };
 
 std::set<std::string> serial_ports() {
@@ -30,13 +31,10 @@ std::set<std::string> serial_ports() {
 DeviceReport try_port(const std::string& port) {
   DeviceReport report{.role = "stage", .name = {}, .address = port, .usable = false, .reason = {}, .remedy = {}};
   for (const StageKind& kind : kinds) {
-    StageSettings settings;
-    settings.kind = kind.name;
-    settings.path = port;
-    const Result<std::unique_ptr<Stage>> stage = kind.open(settings);
-    if (stage) return {"stage", (*stage)->info().firmware, port, true, {}, {}};
-    report.reason = stage.error().what;
-    report.remedy = stage.error().remedy;
+    const Result<std::string> name = kind.identify(port);
+    if (name) return {"stage", *name, port, true, {}, {}};
+    report.reason = name.error().what;
+    report.remedy = name.error().remedy;
   }
   return report;
 }

@@ -1,5 +1,6 @@
 #include "acquisition/stages/grbl_stage.h"
 
+#include <algorithm>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <thread>
@@ -321,6 +322,25 @@ TEST(Stages, AnUnknownKindListsTheKnownOnes) {
   EXPECT_THAT(stage.error().remedy, HasSubstr("grbl"));
 }
 
+TEST(Stages, ListingDisturbsNoMotion) {
+  Script script;
+  script.speed_mm_s = 100;
+  const ScriptedGrbl grbl(script);
+  {
+    auto link = SerialLink::open(grbl.path(), 115200);
+    ASSERT_TRUE(link);
+    ASSERT_TRUE((*link)->write("$H\nG21 G90 G53 G0 X100 Y0\n"));
+    while (grbl.state() != "Run") std::this_thread::sleep_for(milliseconds(1));
+  }
+  const auto lines = grbl.lines();
+  const auto reports = find_stages(grbl.path());
+  EXPECT_TRUE(std::ranges::any_of(reports, [&](const auto& r) { return r.address == grbl.path() && r.usable; }));
+  EXPECT_EQ(grbl.lines(), lines);
+  while (grbl.state() == "Run") std::this_thread::sleep_for(milliseconds(10));
+  EXPECT_EQ(grbl.state(), "Idle") << "neither in an alarm by a reset nor on hold";
+  EXPECT_EQ(grbl.position(), Vec2(100, 0));
+}
+
 TEST(Stages, FindsTheGivenPort) {
   const ScriptedGrbl grbl;
   const auto found = [](const std::string& path) {
@@ -331,7 +351,7 @@ TEST(Stages, FindsTheGivenPort) {
   const DeviceReport usable = found(grbl.path());
   EXPECT_TRUE(usable.usable);
   EXPECT_EQ(usable.role, "stage");
-  EXPECT_EQ(usable.name, "Grbl 1.1h.20190825");
+  EXPECT_EQ(usable.name, "Grbl controller");
 
   const auto owner = open(grbl);
   const DeviceReport busy = found(grbl.path());
