@@ -28,6 +28,7 @@ struct Options {
   std::string carries = "slide", filter, pixel_format, noise = "on", optics = "on", knobs;
   std::vector<std::string> command, set;
   bool projected = false;
+  TruthGrid grid;
   std::string points, out;
 };
 
@@ -206,7 +207,12 @@ int parse_and_run(int argc, char** argv) {
   app.add_option("command", options.command, "what to run, after --");
   CLI::App* truth = app.add_subcommand("truth", "irradiance at points, by quadrature of the lamp itself");
   add_world_options(*truth, options);
-  truth->add_flag("--projected", options.projected, "of the lamp projected on the filter's basis");
+  CLI::Option* projected =
+      truth->add_flag("--projected", options.projected, "of the lamp projected on the filter's basis");
+  for (auto& [name, count] : {std::pair{"--columns", &options.grid.columns}, {"--rows", &options.grid.rows}})
+    truth->add_option(name, *count, "of the plan's grid; else as many as touch the lamp")
+        ->check(CLI::Range(1, 1000))
+        ->needs(projected);
   truth->add_option("--points", options.points, "CSV: x_mm,y_mm,z_mm,nx,ny,nz")->required();
   truth->add_option("--out", options.out, "the same with E_Y,E_R,E_G,E_B")->required();
   try {
@@ -222,7 +228,7 @@ int parse_and_run(int argc, char** argv) {
   options.world.pixel_format = options.world.lamp == "led-array" ? "BayerRG12" : "Mono12";
   if (!options.pixel_format.empty()) options.world.pixel_format = options.pixel_format;
   if (!*truth) return run_bench(options);
-  const Status written = write_truth(options.world, options.projected, options.points, options.out);
+  const Status written = write_truth(options.world, options.projected, options.points, options.out, options.grid);
   return written ? 0 : report(written.error());
 }
 

@@ -39,7 +39,7 @@ Vec2 filter_center_mm(const Bench& bench, const FilterPass& pass, const Vec2& st
 /// The lamp's displacement in the bench frame: A q + b where the stage carries the lamp, else 0.
 Vec2 displacement_mm(const Bench& bench, const Vec2& stage_mm);
 
-/// Cells of the smallest grid, centred on the lamp, that has every cell whose dual window touches it.
+/// ⌈lamp/spacing + window⌉ cells, centred on the lamp, hold every cell whose dual window touches it.
 int cells_needed(double lamp_mm, double spacing_mm, int window);
 
 /// Lays out slide and stage: passes and opaque patch far enough apart that only one filter stands before the lamp

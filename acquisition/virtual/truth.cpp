@@ -221,14 +221,16 @@ Bands irradiance(const std::vector<TermSource>& terms, const TruthPoint& at, con
 
 }  // namespace
 
-std::vector<TruthValue> truth(const WorldOptions& options, bool projected, std::span<const TruthPoint> points) {
+std::vector<TruthValue> truth(const WorldOptions& options, bool projected, std::span<const TruthPoint> points,
+                              const TruthGrid& grid) {
   if (!check(options)) return {};
   const std::optional<Lamp> lamp = make_lamp(options.lamp);
-  const auto cells = [&](int axis) {
+  const auto cells = [&](int axis, int asked) {
     const double a = options.spacing_mm[axis];
-    return AxisCells{a, cells_needed(lamp->size_mm[axis], a, options.window), Dual(options.basis, options.window)};
+    const int count = asked > 0 ? asked : cells_needed(lamp->size_mm[axis], a, options.window);
+    return AxisCells{a, count, Dual(options.basis, options.window)};
   };
-  const AxisCells cells_x = cells(0), cells_y = cells(1);
+  const AxisCells cells_x = cells(0, grid.columns), cells_y = cells(1, grid.rows);
   std::vector<TermSource> terms;
   for (const LampTerm& term : lamp->terms) {
     Bands radiance;

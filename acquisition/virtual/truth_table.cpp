@@ -31,7 +31,7 @@ Result<TruthPoint> point_of(std::string_view line, const std::string& where) {
 }  // namespace
 
 Status write_truth(const WorldOptions& options, bool projected, const std::filesystem::path& points,
-                   const std::filesystem::path& out) {
+                   const std::filesystem::path& out, const TruthGrid& grid) {
   std::ifstream in(points);
   std::vector<std::string> lines;
   std::vector<TruthPoint> receivers;
@@ -52,7 +52,7 @@ Status write_truth(const WorldOptions& options, bool projected, const std::files
 
   std::ofstream file(out);
   file << lines[0] << ",E_Y,E_R,E_G,E_B\n";
-  const std::vector<TruthValue> values = truth(options, projected, receivers);
+  const std::vector<TruthValue> values = truth(options, projected, receivers, grid);
   for (std::size_t i = 0; i < values.size(); ++i) {
     char text[128];
     std::snprintf(text, sizeof text, ",%.9g,%.9g,%.9g,%.9g\n", values[i].y, values[i].r, values[i].g, values[i].b);

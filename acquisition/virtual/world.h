@@ -70,9 +70,16 @@ struct TruthPoint {
 struct TruthValue {
   double y, r, g, b;
 };
+/// Cells of a grid centred on the lamp. 0: ⌈lamp/spacing + window⌉, enough for every cell whose dual window touches the
+/// lamp. More cells of the same parity add nothing; those of the other parity stand half a spacing aside, and so make
+/// another projection.
+struct TruthGrid {
+  int columns = 0, rows = 0;
+};
 /// Irradiance by quadrature of the definition in double precision; refined until two levels agree to 1e-6 of the
-/// largest. `projected`: of the lamp projected on the basis (continuous in s, the smallest grid centred on the lamp
-/// that has every cell whose dual window touches it). Nothing for options that check() refuses.
-std::vector<TruthValue> truth(const WorldOptions& options, bool projected, std::span<const TruthPoint> points);
+/// largest. `projected`: of the lamp projected on the basis, continuous in s, with the cells of `grid`. Nothing for
+/// options that check() refuses.
+std::vector<TruthValue> truth(const WorldOptions& options, bool projected, std::span<const TruthPoint> points,
+                              const TruthGrid& grid = {});
 
 }  // namespace lumifield::virtual_bench

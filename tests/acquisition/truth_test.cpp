@@ -73,14 +73,14 @@ TEST(Truth, RefusesWhatTheWorldRefuses) {
 /// L = Σ C_m(s) Φ_m(u) δ²/cos⁴θ by the midpoint rule. G band; images at the nodes of a grid, bilinear between.
 class Scan {
  public:
-  Scan(const WorldOptions& options, double step_mm)
+  Scan(const WorldOptions& options, double step_mm, const TruthGrid& cells)
       : basis_(options.basis), a_(options.spacing_mm.x()), grid_(ScreenGrid::covering(Vec2(150, 100), step_mm)) {
     const auto world = World::create(options);
     const Bench& bench = (*world)->bench();
     const Lamp lamp = *make_lamp(options.lamp);
     const Slide slide(bench.filter);
-    columns_ = cells_needed(36, a_, options.window);
-    rows_ = cells_needed(22, a_, options.window);
+    columns_ = cells.columns > 0 ? cells.columns : cells_needed(36, a_, options.window);
+    rows_ = cells.rows > 0 ? cells.rows : cells_needed(22, a_, options.window);
     for (int cell = 0; cell < rows_ * columns_; ++cell) {
       images_.push_back(Plane::Zero(grid_.rows, grid_.columns));
       for (const FilterPass& pass : bench.filter.passes) {
@@ -135,10 +135,11 @@ class Scan {
   std::vector<Plane> images_;
 };
 
-void expect_projected_is_scan(const WorldOptions& options, double step_mm, double tolerance) {
-  const Scan scan(options, step_mm);
+void expect_projected_is_scan(const WorldOptions& options, double step_mm, double tolerance,
+                              const TruthGrid& grid = {}) {
+  const Scan scan(options, step_mm, grid);
   const auto points = receivers();
-  const auto values = truth(options, true, points);
+  const auto values = truth(options, true, points, grid);
   ASSERT_EQ(values.size(), points.size());
   const double brightest = scan.irradiance(points[0]).second;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -152,6 +153,21 @@ TEST(Truth, ProjectedIsWhatAScanReconstructs) {
   expect_projected_is_scan({.lamp = "led-array", .basis = BasisKind::bspline2, .window = 5}, 1, 2e-3);
   // The cut-off is 0.45 mm wide on S: images of half a millimetre still blur it.
   expect_projected_is_scan({.lamp = "headlight", .basis = BasisKind::tent}, 0.5, 5e-3);
+}
+
+TEST(Truth, ProjectionIsOfTheGridGiven) {
+  // 9 × 7 cells are taken by themselves; 10 × 7 stand half a spacing aside in x.
+  const WorldOptions options{.lamp = "bike"};
+  expect_projected_is_scan(options, 1, 2e-3, {10, 7});
+  const auto points = receivers();
+  const auto own = truth(options, true, points), wider = truth(options, true, points, {11, 9}),
+             aside = truth(options, true, points, {10, 7});
+  bool differs = false;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(wider[i].g, own[i].g, 1e-6 * std::abs(own[i].g)) << "receiver " << i;
+    differs = differs || std::abs(aside[i].g - own[i].g) > 1e-5 * std::abs(own[i].g);
+  }
+  EXPECT_TRUE(differs);
 }
 
 /// The bench's bell at 7.5 mm keeps the smooth lamps to a percent at 0.3–1 m.
