@@ -126,7 +126,21 @@ class Client {
     return frame;
   }
 
+  /// Triggers until a frame arrives whole: a client without a packet socket loses packets of large frames on a busy
+  /// machine, as GigE Vision without resend does.
+  std::optional<Frame> trigger_until_complete() {
+    std::optional<Frame> frame;
+    for (triggers_ = 1; triggers_ <= 8; ++triggers_) {
+      trigger();
+      frame = next(3);
+      if (frame && frame->complete) return frame;
+    }
+    return frame;
+  }
+  unsigned triggers() const { return triggers_; }
+
  private:
+  unsigned triggers_ = 0;
   void check() { ASSERT_EQ(error_, nullptr) << error_->message; }
   GError* error_ = nullptr;
   ArvCamera* camera_ = nullptr;
@@ -183,8 +197,7 @@ TEST_F(GigeCameraTest, DeliversTheWorldsPixelsBitExactly) {
     EXPECT_EQ(arv_camera_get_exposure_time(client.camera(), nullptr), 3700);
     EXPECT_EQ(arv_camera_get_gain(client.camera(), nullptr), 6.5);
     client.start();
-    client.trigger();
-    const auto frame = client.next(3);
+    const auto frame = client.trigger_until_complete();
     ASSERT_TRUE(frame);
     EXPECT_TRUE(frame->complete);
     EXPECT_EQ(frame->width_px, 1024);
@@ -192,7 +205,7 @@ TEST_F(GigeCameraTest, DeliversTheWorldsPixelsBitExactly) {
     const Exposure exposure{world_.stage_mm, 0.0037, 6.5, 1024, 768, 0, 0};
     EXPECT_TRUE(frame->dn == expected(exposure)) << format;
     EXPECT_EQ(world_.waited_for.back(), world_.stage_mm);
-    EXPECT_EQ(camera_->frames_sent(), 1u);
+    EXPECT_EQ(camera_->frames_sent(), client.triggers());
   }
 }
 
@@ -229,6 +242,7 @@ TEST_F(GigeCameraTest, BoundsTheRegionByTheSensor) {
 TEST_F(GigeCameraTest, TakesTheStageAtTheStartOfTheExposure) {
   serve("Mono12");
   Client client;
+  arv_camera_set_region(client.camera(), 0, 0, 320, 240, nullptr);
   client.expose_for(150000, 0);
   client.start();
   const Vec2 start = world_.stage_mm;
@@ -240,7 +254,7 @@ TEST_F(GigeCameraTest, TakesTheStageAtTheStartOfTheExposure) {
   }
   const auto frame = client.next(3);
   ASSERT_TRUE(frame);
-  EXPECT_TRUE(frame->dn == expected({start, 0.15, 0, 1024, 768, 0, 0}));
+  EXPECT_TRUE(frame->dn == expected({start, 0.15, 0, 320, 240, 0, 0}));
 }
 
 TEST_F(GigeCameraTest, ExposesForAsLongAsAskedAndAnswersMeanwhile) {
