@@ -6,6 +6,9 @@
 
 namespace lumifield {
 
+/// What an Error means for the program: something is at fault, or the operator asked to stop.
+enum class ErrorKind { fault, stopped };
+
 /// An expected failure: what went wrong, where, and what the operator can do about it.
 ///
 /// A device that is unplugged, a file that is truncated, a plan that does not fit its bench are values of this type and
@@ -15,6 +18,7 @@ struct Error {
   std::string what;    ///< the fault, one clause without a full stop: "the stage did not answer within 2 s"
   std::string where;   ///< the thing at fault: a path, "path: key", a device address, "cell (3, 4)"
   std::string remedy;  ///< what to do: "check the cable, then run again with --resume"
+  ErrorKind kind = ErrorKind::fault;
 
   /// One line for people: "where: what; remedy".
   std::string message() const {

@@ -56,7 +56,8 @@ struct RawCell {
 struct ReferenceReading {
   int cells_done = 0;
   double signal_dn_per_s = 0;  ///< mean dark-subtracted DN/s of the chosen exposure of the first pass
-  double drift = 0;            ///< against the first reading of the scan
+  double drift = 0;            ///< against the first reading of the scan, or of the dataset that it resumes
+  double exposure_s = 0;       ///< the chosen one
 };
 
 }  // namespace lumifield

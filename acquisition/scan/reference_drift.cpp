@@ -10,6 +10,7 @@ namespace lumifield {
 namespace {
 
 constexpr double kMaxSaturatedShare = 0.001;
+constexpr double kSameExposure = 1e-3;  // cameras round to their line time
 
 double saturated_share(const RawImage& image, double saturation_dn) {
   const auto count = std::count_if(image.dn.begin(), image.dn.end(), [&](auto dn) { return dn >= saturation_dn; });
@@ -43,6 +44,13 @@ Result<ReferenceReading> ReferenceDrift::read(const Bracket& lit, const Bracket&
   if (!fits)
     return fail("its frames do not fit the dark set's", "reference cell", "close other programs that set the camera");
 
+  // Take the exposure that the earlier scan chose.
+  for (std::size_t e = 0; !exposure_ && earlier_exposure_s_ && e < lit.size(); ++e)
+    if (std::abs(lit[e].exposure_s / *earlier_exposure_s_ - 1) < kSameExposure) exposure_ = e;
+  if (!exposure_ && earlier_exposure_s_)
+    return fail("no exposure of " + say(*earlier_exposure_s_) + " s, at which the dataset's first reading was taken",
+                "reference cell", "resume with the exposures it was begun with");
+
   // Choose the longest exposure that does not saturate, once.
   const bool first = !exposure_;
   for (std::size_t e = 0; first && e < lit.size(); ++e)
@@ -64,7 +72,7 @@ Result<ReferenceReading> ReferenceDrift::read(const Bracket& lit, const Bracket&
   const double dn_per_s = signal.dn / image.exposure_s;
   if (first) first_dn_per_s_ = dn_per_s;
   drift_ = dn_per_s / first_dn_per_s_ - 1;
-  return ReferenceReading{cells_done, dn_per_s, drift_};
+  return ReferenceReading{cells_done, dn_per_s, drift_, image.exposure_s};
 }
 
 }  // namespace lumifield

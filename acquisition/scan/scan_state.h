@@ -11,9 +11,9 @@ namespace lumifield {
 ///     exposing → moving                   next pass of the cell, or a bracket taken again
 ///     idle → done                         nothing to scan
 ///     any but the last three → stopped    stop requested: the stage is halted and stays there
-///     any but the last three → failed     a device error: halted; parked before that (→ parking → failed) when the
-///     stage
-///                                         still answers and homing was not what failed
+///     any but the last three → failed     a device error, or nobody takes the cells: halted; parked before that
+///                                         (→ parking → failed) when the stage still answers and homing was not what
+///                                         failed
 enum class ScanState { idle, homing, moving, settling, exposing, delivering, parking, done, stopped, failed };
 
 std::string_view to_string(ScanState state);

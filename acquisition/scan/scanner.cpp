@@ -12,7 +12,10 @@ namespace {
 
 constexpr int kAttempts = 2;
 
-tl::unexpected<Error> stopped() { return fail("stopped by the operator", "scan", "run again with --resume to go on"); }
+tl::unexpected<Error> stopped() {
+  return tl::unexpected<Error>(
+      {"stopped by the operator", "scan", "run again with --resume to go on", ErrorKind::stopped});
+}
 
 /// Adds the time until its end to one part of the timing.
 class Stretch {
@@ -33,7 +36,7 @@ class Stretch {
 Scanner::Scanner(Camera& camera, Stage& stage, const Bench& bench, const Plan& plan, BenchClock& clock)
     : camera_(camera), stage_(stage), bench_(bench), plan_(plan), clock_(clock) {}
 
-Status Scanner::run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop) {
+Status Scanner::run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop, std::stop_token abandon) {
   if (state_ != ScanState::idle)
     return fail("a scan was begun already: " + std::string(to_string(state_)), "scanner", "use a new scanner per scan");
   if (!steps.steps.empty() && !std::holds_alternative<DarkStep>(steps.steps.front()))
@@ -41,6 +44,8 @@ Status Scanner::run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop)
 
   sink_ = &sink;
   stop_ = std::move(stop);
+  const auto end_now = [this] { end_.request_stop(); };
+  const std::stop_callback at_stop(stop_, end_now), at_abandon(abandon, end_now);
   begin_s_ = first_step_s_ = clock_.now_s();
   warm_up_left_s_ = plan_.warm_up_s;
   progress_.cells_total = steps.cells;
@@ -126,10 +131,11 @@ Result<Vec2> Scanner::stand_at(const Vec2& target_mm, const std::string& place) 
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     // Move and let the vibration die away.
     enter(ScanState::moving);
-    if (stop_.stop_requested()) return stopped();
+    if (end_.stop_requested()) return stopped();
     {
       Stretch moving(clock_, timing_.move_s);
-      if (Status status = stage_.move_to(target_mm, stop_); !status) return fail_in(place, std::move(status).error());
+      if (Status status = stage_.move_to(target_mm, end_.get_token()); !status)
+        return fail_in(place, std::move(status).error());
     }
     enter(ScanState::settling);
     if (Status status = wait(plan_.settle_s + std::exchange(warm_up_left_s_, 0.0)); !status)
@@ -153,7 +159,7 @@ Result<Bracket> Scanner::expose_bracket(const Vec2& stage_mm, const std::string&
   Bracket bracket;
   bracket.reserve(plan_.exposures_s.size());
   for (double exposure_s : plan_.exposures_s) {
-    if (stop_.stop_requested()) return stopped();
+    if (end_.stop_requested()) return stopped();
     Result<RawImage> frame = expose_frame(exposure_s);
     if (!frame) return fail_in(place, std::move(frame).error());
     frame->stage_mm = stage_mm;
@@ -175,9 +181,9 @@ Result<RawImage> Scanner::expose_frame(double exposure_s) {
 
 Status Scanner::home() {
   enter(ScanState::homing);
-  if (stop_.stop_requested()) return stopped();
+  if (end_.stop_requested()) return stopped();
   Stretch moving(clock_, timing_.move_s);
-  if (Status status = stage_.home(stop_); !status) return fail_in("homing", std::move(status).error());
+  if (Status status = stage_.home(end_.get_token()); !status) return fail_in("homing", std::move(status).error());
   return {};
 }
 
@@ -195,6 +201,7 @@ Status Scanner::end(Status status) {
     status = stopped();
     enter(ScanState::stopped);
   } else if (!status) {
+    if (status.error().kind == ErrorKind::stopped) status = fail("ended, as nobody takes its cells any more", "scan");
     // Bring the lamp behind the opaque patch, unless the stage does not know its place, cannot park or is silent.
     if (state_ != ScanState::homing && state_ != ScanState::parking && stage_.position())
       if (const Status parked = park(); !parked)
@@ -221,7 +228,7 @@ void Scanner::enter(ScanState state) {
 
 Status Scanner::wait(double seconds) {
   Stretch settling(clock_, timing_.settle_s);
-  if (!clock_.wait(seconds, stop_)) return stopped();
+  if (!clock_.wait(seconds, end_.get_token())) return stopped();
   return {};
 }
 

@@ -50,16 +50,20 @@ class ScanSink {
 /// more than the tolerance is discarded and taken once more. The reference cell comes first, every N cells and last,
 /// its drift is recorded and handed on; a dark set opens every block of cells, the first one after the warm-up. A cell
 /// is handed on as soon as its last pass is exposed, and the stage moves on at once. At the end and after a device
-/// error the stage is parked behind the opaque patch. Thread-bound to the bench thread; camera, stage, bench, plan and
-/// clock outlive it.
+/// error the stage is parked behind the opaque patch; at a stop it is halted and stays. Thread-bound to the bench
+/// thread; camera, stage, bench, plan and clock outlive it.
 class Scanner {
  public:
   Scanner(Camera& camera, Stage& stage, const Bench& bench, const Plan& plan, BenchClock& clock = steady_bench_clock());
 
-  /// Runs all steps. Legal once, in state idle; refused in any other state.
+  /// Lets the drift refer to the first reading of an earlier scan of the same dataset. Before `run`.
+  void refer_to(const ReferenceReading& first) { drift_ = ReferenceDrift(first); }
+
+  /// Runs all steps. Legal once, in state idle; refused in any other state. `stop` is the operator's; `abandon` tells
+  /// that nobody takes the cells any more: the scan ends as after a device error, parked.
   /// Errors: that of the device, with the cell and pass in front of its place; a stage that does not reach or does not
-  /// hold a position; a reference cell that cannot serve; a stop request, `what` = "stopped by the operator".
-  Status run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop);
+  /// hold a position; a reference cell that cannot serve; a stop request, `kind` = stopped.
+  Status run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop, std::stop_token abandon = {});
 
   ScanState state() const { return state_; }
   const ScanTiming& timing() const { return timing_; }
@@ -96,7 +100,8 @@ class Scanner {
   ScanTiming timing_;
 
   ScanSink* sink_ = nullptr;
-  std::stop_token stop_;
+  std::stop_token stop_;  ///< the operator's
+  std::stop_source end_;  ///< asked to stop by either
   ScanProgress progress_;
   TimeLeft time_left_;
   double begin_s_ = 0, first_step_s_ = 0, warm_up_left_s_ = 0;

@@ -20,7 +20,9 @@ constexpr milliseconds start_time(300);  // an accepted move has started by then
 constexpr double farthest_mm = 1e5;      // keeps the command within GRBL's line of 80 characters
 constexpr double feed_per_s = 60;        // GRBL's rates are mm/min
 
-tl::unexpected<Error> stopped(const std::string& path) { return fail("stopped by the operator", path); }
+tl::unexpected<Error> stopped(const std::string& path) {
+  return tl::unexpected<Error>({"stopped by the operator", path, {}, ErrorKind::stopped});
+}
 
 /// Duration of a move over `delta` that starts and ends at rest, the axes keeping one straight line.
 double trapezoid_s(const Vec2& delta, const Vec2& speed, const Vec2& acceleration) {

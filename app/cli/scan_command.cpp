@@ -124,7 +124,7 @@ int run_scan(const ScanOptions& options) {
   auto summary = (*session)->wait();
   if (!summary) {
     report_error(summary.error(), options.json);
-    return summary.error().what == stopped_by_operator ? exit_stopped : exit_failed;
+    return summary.error().kind == ErrorKind::stopped ? exit_stopped : exit_failed;
   }
   std::fputs((options.json ? summary_json(*summary) + "\n" : summary_text(*summary)).c_str(), stdout);
   return picture_error ? exit_failed : exit_done;

@@ -2,9 +2,11 @@
 
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "acquisition/camera.h"
 #include "acquisition/stage.h"
+#include "app/session/guarded.h"
 
 namespace lumifield {
 
@@ -35,7 +37,8 @@ std::string name_of(const CameraInfo& info) {
   return info.vendor + " " + info.model + " " + info.serial + " at " + info.address;
 }
 
-Status scan(const Bench& bench, const Plan& plan, const ScanPlan& steps, Pipeline& pipeline, BenchOutcome& outcome) {
+Status scan(const Bench& bench, const Plan& plan, const ScanPlan& steps, const std::optional<ReferenceReading>& first,
+            Pipeline& pipeline, BenchOutcome& outcome) {
   auto camera = open_camera(bench.camera);
   if (!camera) return tl::unexpected(camera.error());
   auto stage = open_stage(bench.stage);
@@ -44,21 +47,93 @@ Status scan(const Bench& bench, const Plan& plan, const ScanPlan& steps, Pipelin
   outcome.stage = (*stage)->info().firmware + " at " + (*stage)->info().path;
 
   Scanner scanner(**camera, **stage, bench, plan);
+  if (first) scanner.refer_to(*first);
   QueueSink sink(pipeline, outcome);
-  Status status = scanner.run(steps, sink, pipeline.stop_token());
+  Status status = scanner.run(steps, sink, pipeline.stop_token(), pipeline.abandon_token());
   outcome.timing = scanner.timing();
   outcome.frames_retaken = (*camera)->frames_retaken();
   return status;
 }
 
+std::string joined(const std::vector<std::string>& texts) {
+  std::string text;
+  for (const std::string& part : texts) text.append(text.empty() ? "" : "; ").append(part);
+  return text;
+}
+
+Status develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings) {
+  while (auto raw = pipeline.raw.pop()) {
+    const std::string place = "cell " + to_string(raw->cell);
+    if (raw->passes.empty()) return fail("has no passes", place, "scan it again with --resume");
+    const auto start = Clock::now();
+    Result<CellImage> image = developer.develop(*raw);
+    develop_s.push_back(seconds_since(start));
+    if (!image) return fail_in(place, image.error());
+    if (!image->quality.warnings.empty()) {
+      ++cells_with_warnings;
+      pipeline.events.push(Notice{place + ": " + joined(image->quality.warnings)});
+    }
+    if (!pipeline.developed.push({raw->cell, std::move(*image), raw->passes.front().stage_mm})) break;
+  }
+  return {};
+}
+
+Status store(DatasetWriter& writer, const std::vector<std::string>& notes, Pipeline& pipeline,
+             std::vector<double>& store_s) {
+  for (const std::string& note : notes) pipeline.events.push(Notice{note});
+  while (auto cell = pipeline.developed.pop()) {
+    const auto start = Clock::now();
+    Result<CellEntry> entry = writer.add(cell->cell, cell->image, cell->stage_mm);
+    store_s.push_back(seconds_since(start));
+    if (!entry) return tl::unexpected(entry.error());
+    pipeline.events.push(CellStored{*entry});
+    cell->image.variance = std::vector<float>();
+    if (!pipeline.stored.push({*entry, std::make_shared<const CellImage>(std::move(cell->image))})) break;
+  }
+  return {};
+}
+
+/// The preview as far as it has come.
+struct Preview {
+  Renderer* renderer;
+  int cells, total;
+  const std::vector<double>& shares;
+  std::size_t next = 0;
+
+  bool reached() const {
+    return next < shares.size() && cells >= std::max(1, static_cast<int>(std::lround(shares[next] * total)));
+  }
+  void skip_reached() {
+    while (reached()) ++next;
+  }
+};
+
+Status show(Preview& preview, const StoredCell& cell, Pipeline& pipeline, std::vector<double>& render_s,
+            std::vector<double>& kernel_s) {
+  const auto start = Clock::now();
+  const Status added = preview.renderer->add_cell(cell.entry.cell, cell.image);
+  render_s.push_back(seconds_since(start));
+  kernel_s.push_back(preview.renderer->last_kernel_s());
+  ++preview.cells;
+  if (!added || !preview.reached()) return added;
+  Result<Picture> picture = preview.renderer->picture();
+  if (!picture) return tl::unexpected(picture.error());
+  pipeline.events.push(PictureMade{preview.shares[preview.next], preview.cells, std::move(*picture)});
+  preview.skip_reached();
+  return {};
+}
+
 }  // namespace
 
 void Pipeline::fail(Error error) {
+  bool first = false;
   {
     std::lock_guard lock(mutex_);
-    if (!error_) error_ = std::move(error);
+    first = !error_;
+    if (first) error_ = std::move(error);
   }
-  stop_.request_stop();
+  abandon_.request_stop();
+  if (!first && error.kind == ErrorKind::fault) events.push(Notice{error.message()});
 }
 
 std::optional<Error> Pipeline::error() const {
@@ -66,80 +141,43 @@ std::optional<Error> Pipeline::error() const {
   return error_;
 }
 
-void run_bench(const Bench& bench, const Plan& plan, const ScanPlan& steps, Pipeline& pipeline, BenchOutcome& outcome) {
-  Status status = scan(bench, plan, steps, pipeline, outcome);
-  if (!status) pipeline.fail(status.error());
+void run_bench(const Bench& bench, const Plan& plan, const ScanPlan& steps,
+               const std::optional<ReferenceReading>& first, Pipeline& pipeline, BenchOutcome& outcome) {
+  Status status = guarded("bench", [&] { return scan(bench, plan, steps, first, pipeline, outcome); });
+  if (!status) pipeline.fail(std::move(status).error());
   pipeline.raw.close();
 }
 
 void run_develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings) {
-  while (auto raw = pipeline.raw.pop()) {
-    const auto start = Clock::now();
-    Result<CellImage> image = developer.develop(*raw);
-    develop_s.push_back(seconds_since(start));
-    if (!image) {
-      pipeline.fail(fail_in("cell " + to_string(raw->cell), image.error()).value());
-      pipeline.raw.close();
-      break;
-    }
-    if (!image->quality.warnings.empty()) {
-      ++cells_with_warnings;
-      pipeline.events.try_push(Notice{"cell " + to_string(raw->cell) + ": " + image->quality.warnings.front()});
-    }
-    if (!pipeline.developed.push({raw->cell, std::move(*image), raw->passes.front().stage_mm})) break;
-  }
+  Status status = guarded("develop", [&] { return develop(developer, pipeline, develop_s, cells_with_warnings); });
+  if (!status) pipeline.fail(std::move(status).error());
+  pipeline.raw.close();
   pipeline.developed.close();
 }
 
-void run_store(DatasetWriter& writer, Pipeline& pipeline, std::vector<double>& store_s, bool& failed) {
-  while (auto cell = pipeline.developed.pop()) {
-    const auto start = Clock::now();
-    Result<CellEntry> entry = writer.add(cell->cell, cell->image, cell->stage_mm);
-    store_s.push_back(seconds_since(start));
-    if (!entry) {
-      failed = true;
-      pipeline.fail(entry.error());
-      pipeline.developed.close();
-      pipeline.raw.close();
-      break;
-    }
-    pipeline.events.push(CellStored{*entry});
-    if (!pipeline.stored.push({*entry, std::make_shared<const CellImage>(std::move(cell->image))})) break;
-  }
+void run_store(DatasetWriter& writer, const std::vector<std::string>& notes, Pipeline& pipeline,
+               std::vector<double>& store_s, bool& failed) {
+  Status status = guarded("store", [&] { return store(writer, notes, pipeline, store_s); });
+  failed = !status;
+  if (!status) pipeline.fail(std::move(status).error());
+  pipeline.developed.close();
   pipeline.stored.close();
 }
 
 void run_render(Renderer* renderer, int already, int total, const std::vector<double>& shares, Pipeline& pipeline,
                 std::vector<double>& render_s, std::vector<double>& kernel_s) {
-  int cells = already;
-  std::size_t next = 0;
-  const auto reached = [&] {
-    return next < shares.size() && cells >= std::max(1, static_cast<int>(std::lround(shares[next] * total)));
-  };
-  while (reached()) ++next;
-
+  Preview preview{renderer, already, total, shares};
+  preview.skip_reached();
   while (auto cell = pipeline.stored.pop()) {
-    if (!renderer) continue;
-    const auto start = Clock::now();
-    Status added = renderer->add_cell(cell->entry.cell, cell->image);
-    render_s.push_back(seconds_since(start));
-    kernel_s.push_back(renderer->last_kernel_s());
-    ++cells;
-    if (added && reached()) {
-      Result<Picture> picture = renderer->picture();
-      if (picture) {
-        pipeline.events.push(PictureMade{shares[next], cells, std::move(*picture)});
-        while (reached()) ++next;
-        continue;
-      }
-      added = tl::unexpected(picture.error());
-    }
+    if (!preview.renderer) continue;
+    const Status shown = guarded("preview", [&] { return show(preview, *cell, pipeline, render_s, kernel_s); });
     // The scan outlives its preview: what is measured matters more than what is shown.
-    if (!added) {
-      pipeline.events.push(Notice{"the preview ends: " + added.error().message()});
-      renderer = nullptr;
+    if (!shown) {
+      pipeline.events.push(Notice{"the preview ends: " + shown.error().message()});
+      preview.renderer = nullptr;
     }
   }
+  pipeline.stored.close();
 }
 
 }  // namespace lumifield

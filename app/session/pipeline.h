@@ -16,8 +16,8 @@
 namespace lumifield {
 
 /// The way of a cell through a session. Each stage below is one function from its input queue to its output queue, run
-/// by one thread; it closes its output when its input has ended, so that the end of the scan runs down the line by
-/// itself.
+/// by one thread; it closes its input and its output when it ends, so that the end of the scan runs down the line and
+/// the failure of a stage both ways. None lets an exception out.
 
 struct DevelopedCell {
   CellIndex cell;
@@ -38,14 +38,16 @@ class Pipeline {
   BoundedQueue<StoredCell> stored{4};
   BoundedQueue<SessionEvent> events{256};
 
-  /// Keeps the first error and asks the bench to stop.
+  /// Keeps the first error and has the bench end and park. A later fault becomes a notice.
   void fail(Error error);
   std::optional<Error> error() const;
+  /// By the operator: the stage halts where it is.
   void request_stop() { stop_.request_stop(); }
   std::stop_token stop_token() const { return stop_.get_token(); }
+  std::stop_token abandon_token() const { return abandon_.get_token(); }
 
  private:
-  std::stop_source stop_;
+  std::stop_source stop_, abandon_;
   mutable std::mutex mutex_;
   std::optional<Error> error_;
 };
@@ -58,16 +60,21 @@ struct BenchOutcome {
   int frames_retaken = 0;
 };
 
-/// Opens camera and stage, runs the scan, and lets go of them.
-void run_bench(const Bench& bench, const Plan& plan, const ScanPlan& steps, Pipeline& pipeline, BenchOutcome& outcome);
+/// Opens camera and stage, runs the scan, and lets go of them. `first` is the reading that the drift refers to; absent,
+/// the scan's own first.
+void run_bench(const Bench& bench, const Plan& plan, const ScanPlan& steps,
+               const std::optional<ReferenceReading>& first, Pipeline& pipeline, BenchOutcome& outcome);
 
 void run_develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings);
 
-/// `failed` tells that the disk refused a cell: the dataset is left as it is, journal and all.
-void run_store(DatasetWriter& writer, Pipeline& pipeline, std::vector<double>& store_s, bool& failed);
+/// Hands `notes` to the operator, then stores. `failed` tells that the disk refused a cell: the dataset is left as it
+/// is, journal and all. What it hands on has no variance.
+void run_store(DatasetWriter& writer, const std::vector<std::string>& notes, Pipeline& pipeline,
+               std::vector<double>& store_s, bool& failed);
 
 /// With a renderer: adds each cell and makes a picture when the next of `shares` of `total` cells is in; `already`
-/// cells were added before. Without one it lets the cells pass.
+/// cells were added before. Without one it lets the cells pass. A preview that fails ends with a notice; the scan goes
+/// on.
 void run_render(Renderer* renderer, int already, int total, const std::vector<double>& shares, Pipeline& pipeline,
                 std::vector<double>& render_s, std::vector<double>& kernel_s);
 

@@ -6,11 +6,11 @@
 
 namespace lumifield {
 
-/// What a dataset keeps of its making, one JSON object: `scans`, each with program, bench, plan, devices, times, drift
-/// of the reference. `earlier` is the object so far: a scan that started at the same instant is replaced, a resumed one
-/// added.
-std::string provenance_json(const std::string& earlier, const ScanRequest& request, const ScanSummary& summary,
-                            const std::string& started_utc);
+/// What a dataset keeps of its making, one JSON object: `scans`, each with program, bench, plan, and once it has ended,
+/// with devices, times, reference readings. Adds one scan to `earlier`, the object before it; `ended` is null while the
+/// scan runs. Text of a device that is not UTF-8 is kept with replacement characters.
+std::string provenance_json(const std::string& earlier, const ScanRequest& request, const std::string& started_utc,
+                            const ScanSummary* ended);
 
 /// "2026-01-31T12:34:56Z"
 std::string utc_now();

@@ -1,12 +1,17 @@
 #include "app/session/scan_session.h"
 
+#include <filesystem>
 #include <future>
 #include <set>
 #include <sys/resource.h>
 #include <system_error>
 #include <thread>
 
+#include "app/session/dataset_folder.h"
+#include "app/session/guarded.h"
 #include "app/session/pipeline.h"
+#include "app/session/precedent.h"
+#include "app/session/preview_memory.h"
 #include "app/session/provenance.h"
 
 namespace lumifield {
@@ -21,17 +26,30 @@ constexpr int render_niceness = 10;
 struct ScanSession::Impl {
   Impl(ScanRequest r, ScanPlan s, Developer d) : request(std::move(r)), steps(std::move(s)), developer(std::move(d)) {}
 
+  /// Ends the threads of a start that was refused.
+  ~Impl();
+
+  Status begin();
   Status open_dataset();
+  Status create_dataset();
+  Status resume_dataset();
   Status start_renderer();
+  Status prepare_renderer(std::unique_ptr<Renderer>& renderer);
   void render_thread(std::promise<Status> ready);
   void run();
+  Status discard_dataset();
   Status close_dataset();
+  Result<ScanSummary> finish();
 
   ScanRequest request;
   ScanPlan steps;
   Developer developer;
   std::string started_utc = utc_now();
   std::optional<DatasetWriter> writer;
+  bool created = false;            ///< by this run, not resumed
+  std::string earlier = "{}";      ///< the provenance before this run
+  std::vector<std::string> notes;  ///< for the operator, at the start
+  std::optional<ReferenceReading> first;
   std::set<CellIndex> done;
   Pipeline pipeline;
   BenchOutcome bench;
@@ -40,49 +58,88 @@ struct ScanSession::Impl {
   std::thread bench_thread, develop_thread, store_thread, render_thread_;
 };
 
-Status ScanSession::Impl::open_dataset() {
-  Manifest manifest;
-  manifest.geometry = developer.geometry();
-  manifest.name = request.name.empty() ? request.out.stem().string() : request.name;
-  Result<DatasetWriter> opened = request.resume && std::filesystem::exists(request.out)
-                                     ? DatasetWriter::resume(request.out, manifest.geometry)
-                                     : (manifest.provenance_json = provenance_json("{}", request, summary, started_utc),
-                                        DatasetWriter::create(request.out, manifest));
-  if (!opened) return tl::unexpected(opened.error());
-  writer.emplace(std::move(*opened));
-  for (const CellEntry& entry : writer->manifest().cells) done.insert(entry.cell);
+ScanSession::Impl::~Impl() {
+  pipeline.raw.close();
+  pipeline.developed.close();
+  pipeline.stored.close();
+  pipeline.events.close();
+  for (std::thread* thread : {&bench_thread, &develop_thread, &store_thread, &render_thread_})
+    if (thread->joinable()) thread->join();
+}
 
+Status ScanSession::Impl::open_dataset() {
+  std::error_code code;
+  created = !(request.resume && std::filesystem::exists(request.out, code));
+  if (code) return fail("could not be looked at: " + code.message(), request.out.string(), "check its permissions");
+  if (Status opened = created ? create_dataset() : resume_dataset(); !opened) return opened;
+  for (const CellEntry& entry : writer->manifest().cells) done.insert(entry.cell);
   Result<ScanPlan> left = make_scan_plan(request.bench, request.plan, done);
   if (!left) return tl::unexpected(left.error());
   steps = std::move(*left);
   return {};
 }
 
+Status ScanSession::Impl::create_dataset() {
+  Manifest manifest;
+  manifest.geometry = developer.geometry();
+  manifest.name = request.name.empty() ? request.out.stem().string() : request.name;
+  manifest.provenance_json = provenance_json(earlier, request, started_utc, nullptr);
+  Result<DatasetWriter> opened = DatasetWriter::create(request.out, std::move(manifest));
+  if (!opened) return tl::unexpected(opened.error());
+  writer.emplace(std::move(*opened));
+  return {};
+}
+
+/// Compares before the writer cleans up: a dataset that is refused stays as it is.
+Status ScanSession::Impl::resume_dataset() {
+  const Result<DatasetIndex> index = read_dataset_index(request.out);
+  if (!index) return tl::unexpected(index.error());
+  earlier = index->manifest.provenance_json;
+  Result<std::string> note = check_same_measurement(earlier, request.bench, request.plan);
+  if (!note) return fail_in(request.out.string(), note.error());
+  if (!note->empty()) notes.push_back(std::move(*note));
+
+  Result<DatasetWriter> opened = DatasetWriter::resume(request.out, developer.geometry());
+  if (!opened) return tl::unexpected(opened.error());
+  writer.emplace(std::move(*opened));
+  notes.insert(notes.end(), writer->notes().begin(), writer->notes().end());
+  first = first_reading(earlier);
+  if (!first && !writer->manifest().cells.empty())
+    notes.push_back("the dataset's first reading of the reference cell is not on record: its drift begins anew");
+  return {};
+}
+
+/// Makes the renderer and gives it the cells that are stored.
+Status ScanSession::Impl::prepare_renderer(std::unique_ptr<Renderer>& renderer) {
+  auto made = Renderer::create(*request.preview, request.preview_width_px, request.preview_height_px);
+  if (!made) return tl::unexpected(made.error());
+  renderer = std::move(*made);
+  if (Status set = renderer->set_luminaire(developer.geometry()); !set) return set;
+  const DatasetIndex index{request.out, writer->manifest(), {}};
+  for (const CellEntry& entry : index.manifest.cells) {
+    Result<CellImage> image = read_cell(index, entry);
+    if (!image) return tl::unexpected(image.error());
+    image->variance = std::vector<float>();
+    if (Status added = renderer->add_cell(entry.cell, std::make_shared<const CellImage>(std::move(*image))); !added)
+      return added;
+  }
+  const RendererInfo info = renderer->info();
+  summary.opengl = info.opengl;
+  summary.opencl = info.opencl;
+  notes.insert(notes.end(), info.notes.begin(), info.notes.end());
+  return {};
+}
+
 void ScanSession::Impl::render_thread(std::promise<Status> ready) {
-  if (!request.preview) {
-    ready.set_value({});
-    return run_render(nullptr, 0, 0, {}, pipeline, summary.times.render_s, summary.times.kernel_s);
-  }
+  std::unique_ptr<Renderer> renderer;
   // Linux keeps niceness per thread; those that OpenCL starts from here inherit it.
-  setpriority(PRIO_PROCESS, 0, render_niceness);
-  auto renderer = Renderer::create(*request.preview, request.preview_width_px, request.preview_height_px);
-  Status status = renderer ? (*renderer)->set_luminaire(developer.geometry()) : tl::unexpected(renderer.error());
-  for (const CellEntry& entry : writer->manifest().cells) {
-    if (!status) break;
-    auto image = read_cell({request.out, writer->manifest(), {}}, entry);
-    status = image ? (*renderer)->add_cell(entry.cell, std::make_shared<const CellImage>(std::move(*image)))
-                   : tl::unexpected(image.error());
-  }
-  if (status) {
-    summary.opengl = (*renderer)->info().opengl;
-    summary.opencl = (*renderer)->info().opencl;
-  }
-  const bool usable = status.has_value();
-  const int already = static_cast<int>(done.size());
-  ready.set_value(std::move(status));
+  if (request.preview) setpriority(PRIO_PROCESS, 0, render_niceness);
+  Status prepared = guarded("preview", [&] { return request.preview ? prepare_renderer(renderer) : Status{}; });
+  const bool usable = prepared.has_value();
+  ready.set_value(std::move(prepared));
   if (usable)
-    run_render(renderer->get(), already, developer.geometry().sampling.cells(), request.picture_shares, pipeline,
-               summary.times.render_s, summary.times.kernel_s);
+    run_render(renderer.get(), static_cast<int>(done.size()), developer.geometry().sampling.cells(),
+               request.picture_shares, pipeline, summary.times.render_s, summary.times.kernel_s);
 }
 
 Status ScanSession::Impl::start_renderer() {
@@ -93,11 +150,11 @@ Status ScanSession::Impl::start_renderer() {
 }
 
 void ScanSession::Impl::run() {
-  store_thread = std::thread([this] { run_store(*writer, pipeline, summary.times.store_s, store_failed); });
+  store_thread = std::thread([this] { run_store(*writer, notes, pipeline, summary.times.store_s, store_failed); });
   develop_thread =
       std::thread([this] { run_develop(developer, pipeline, summary.times.develop_s, summary.cells_with_warnings); });
   bench_thread = std::thread([this] {
-    run_bench(request.bench, request.plan, steps, pipeline, bench);
+    run_bench(request.bench, request.plan, steps, first, pipeline, bench);
     // The stages behind end one after the other once their input has.
     develop_thread.join();
     store_thread.join();
@@ -106,18 +163,34 @@ void ScanSession::Impl::run() {
   });
 }
 
-/// Nothing half-written: a scan that failed before its first cell leaves no folder behind.
+/// Everything that may refuse; what it leaves behind is undone by `discard_dataset`.
+Status ScanSession::Impl::begin() {
+  if (request.preview)
+    if (Status fits = check_preview_memory(developer.geometry(), physical_memory_bytes()); !fits) return fits;
+  if (Status opened = open_dataset(); !opened) return opened;
+  if (Status rendered = start_renderer(); !rendered) return rendered;
+  run();
+  return {};
+}
+
+/// Nothing half-written: a scan that stored no cell leaves no folder behind that it made, and none changed.
+Status ScanSession::Impl::discard_dataset() {
+  if (!writer || !created || !writer->manifest().cells.empty()) return {};
+  return remove_empty_dataset(request.out);
+}
+
 Status ScanSession::Impl::close_dataset() {
-  if (!writer) return {};
-  if (writer->manifest().cells.empty()) {
-    std::error_code error;
-    std::filesystem::remove_all(request.out, error);
-    if (error) return fail("could not remove the empty dataset: " + error.message(), request.out.string());
-    return {};
+  if (!writer || store_failed) return discard_dataset();
+  if (writer->manifest().cells.size() > done.size()) {
+    // The cells are worth more than the record of their making.
+    const auto record = guarded("provenance", [&]() -> Result<std::string> {
+      return provenance_json(earlier, request, started_utc, &summary);
+    });
+    if (record) writer->set_provenance(*record);
+    const Status closed = writer->close();
+    return closed && !record ? tl::unexpected(record.error()) : closed;
   }
-  if (store_failed) return {};
-  writer->set_provenance(provenance_json(writer->manifest().provenance_json, request, summary, started_utc));
-  return writer->close();
+  return pipeline.error() ? discard_dataset() : writer->close();
 }
 
 ScanSession::ScanSession(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -131,20 +204,22 @@ ScanSession::~ScanSession() {
 }
 
 Result<std::unique_ptr<ScanSession>> ScanSession::start(ScanRequest request) {
-  Result<ScanPlan> steps = make_scan_plan(request.bench, request.plan);
-  if (!steps) return tl::unexpected(steps.error());
-  Result<Developer> developer = Developer::create(request.bench, request.plan);
-  if (!developer) return tl::unexpected(developer.error());
-
-  auto impl = std::make_unique<Impl>(std::move(request), std::move(*steps), std::move(*developer));
-  if (Status opened = impl->open_dataset(); !opened) return tl::unexpected(opened.error());
-  if (Status rendered = impl->start_renderer(); !rendered) {
-    impl->render_thread_.join();
-    if (Status closed = impl->close_dataset(); !closed) return tl::unexpected(closed.error());
-    return tl::unexpected(rendered.error());
-  }
-  impl->run();
-  return std::unique_ptr<ScanSession>(new ScanSession(std::move(impl)));
+  return guarded("scan", [&]() -> Result<std::unique_ptr<ScanSession>> {
+    Result<ScanPlan> steps = make_scan_plan(request.bench, request.plan);
+    if (!steps) return tl::unexpected(steps.error());
+    Result<Developer> developer = Developer::create(request.bench, request.plan);
+    if (!developer) return tl::unexpected(developer.error());
+    auto impl = std::make_unique<Impl>(std::move(request), std::move(*steps), std::move(*developer));
+    auto session = std::unique_ptr<ScanSession>(new ScanSession(nullptr));
+    Status begun = guarded("scan", [&] { return impl->begin(); });
+    if (!begun) {
+      if (Status gone = impl->discard_dataset(); !gone)
+        begun.error().what += " (and then: " + gone.error().message() + ")";
+      return tl::unexpected(begun.error());
+    }
+    session->impl_ = std::move(impl);
+    return session;
+  });
 }
 
 std::optional<SessionEvent> ScanSession::next_event() { return impl_->pipeline.events.pop(); }
@@ -153,24 +228,27 @@ void ScanSession::stop() { impl_->pipeline.request_stop(); }
 
 Result<ScanSummary> ScanSession::wait() {
   impl_->bench_thread.join();
-  ScanSummary& summary = impl_->summary;
-  summary.dataset = impl_->request.out;
-  summary.timing = impl_->bench.timing;
-  summary.references = impl_->bench.references;
-  summary.camera = impl_->bench.camera;
-  summary.stage = impl_->bench.stage;
-  summary.frames_retaken = impl_->bench.frames_retaken;
+  return guarded("scan", [&] { return impl_->finish(); });
+}
 
-  const Status closed = impl_->close_dataset();
-  if (std::optional<Error> error = impl_->pipeline.error()) {
+Result<ScanSummary> ScanSession::Impl::finish() {
+  summary.dataset = request.out;
+  summary.timing = bench.timing;
+  summary.references = bench.references;
+  summary.camera = bench.camera;
+  summary.stage = bench.stage;
+  summary.frames_retaken = bench.frames_retaken;
+
+  const Status closed = close_dataset();
+  if (std::optional<Error> error = pipeline.error()) {
     if (!closed) error->what += " (and then: " + closed.error().message() + ")";
     return tl::unexpected(std::move(*error));
   }
   if (!closed) return tl::unexpected(closed.error());
 
   std::set<CellIndex> stored;
-  for (const CellEntry& entry : impl_->writer->manifest().cells) stored.insert(entry.cell);
-  const Sampling& sampling = impl_->developer.geometry().sampling;
+  for (const CellEntry& entry : writer->manifest().cells) stored.insert(entry.cell);
+  const Sampling& sampling = developer.geometry().sampling;
   summary.coverage.total = sampling.cells();
   summary.coverage.measured = static_cast<int>(stored.size());
   for (int k = 0; k < sampling.cells(); ++k)

@@ -69,7 +69,8 @@ using SessionEvent = std::variant<ScanProgress, CellStored, ReferenceReading, Pi
 /// once.
 class ScanSession {
  public:
-  /// Errors before anything moves: plan against bench, output folder, preview.
+  /// Errors before anything moves: plan against bench, output folder, a dataset to resume that was measured otherwise,
+  /// preview. A dataset to resume is then as it was before.
   static Result<std::unique_ptr<ScanSession>> start(ScanRequest request);
   /// Stops the scan and joins.
   ~ScanSession();
@@ -78,7 +79,8 @@ class ScanSession {
   std::optional<SessionEvent> next_event();
   /// Halts the stage and ends; what is stored stays.
   void stop();
-  /// Joins all threads. The Error of the first stage that failed, if one did.
+  /// Joins all threads. The Error of the first stage that failed, if one did; its `kind` is `stopped` when the operator
+  /// ended the scan.
   Result<ScanSummary> wait();
 
  private:
@@ -86,8 +88,5 @@ class ScanSession {
   explicit ScanSession(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
-
-/// The `what` of the Error of a scan that the operator stopped.
-inline constexpr const char* stopped_by_operator = "stopped by the operator";
 
 }  // namespace lumifield

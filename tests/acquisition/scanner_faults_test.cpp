@@ -139,6 +139,7 @@ TEST_P(StopIn, HaltsTheStageWhereItIs) {
   const Status status = run();
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().what, "stopped by the operator");
+  EXPECT_EQ(status.error().kind, ErrorKind::stopped);
   EXPECT_EQ(scanner.state(), stopped);
   EXPECT_EQ(sink.reports.back().state, stopped);
   EXPECT_EQ(stage.halts, 1);
@@ -147,6 +148,35 @@ TEST_P(StopIn, HaltsTheStageWhereItIs) {
 }
 INSTANTIATE_TEST_SUITE_P(EveryState, StopIn, ::testing::Values(homing, moving, settling, exposing, delivering, parking),
                          [](const auto& tested) { return std::string(to_string(tested.param)); });
+
+TEST_F(ScannerTest, AbandonedItParksAndFails) {
+  std::stop_source abandon;
+  camera.on_expose = [&](int frame) {
+    if (frame == 8) abandon.request_stop();
+  };
+  const auto steps = make_scan_plan(bench, plan);
+  ASSERT_TRUE(steps);
+  const Status status = scanner.run(*steps, sink, stop.get_token(), abandon.get_token());
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::fault);
+  EXPECT_EQ(scanner.state(), failed);
+  EXPECT_EQ(camera.frames, 8);
+  EXPECT_EQ(stage.at, dark_target_mm(bench));
+}
+
+TEST_F(ScannerTest, DriftRefersToTheEarlierScan) {
+  scanner.refer_to({0, 40'000, 0, 0.008});
+  ASSERT_TRUE(run());
+  ASSERT_FALSE(sink.references.empty());
+  EXPECT_NEAR(sink.references.front().drift, -0.5, 1e-3);
+  EXPECT_EQ(sink.references.front().exposure_s, 0.008);
+  EXPECT_NEAR(sink.cells.front().drift, -0.5, 1e-3);
+}
+
+TEST_F(ScannerTest, AnEarlierScanWithAnotherExposureIsRefused) {
+  scanner.refer_to({0, 40'000, 0, 0.009});
+  EXPECT_THAT(run().error().what, HasSubstr("no exposure of 0.009 s"));
+}
 
 TEST_F(ScannerTest, StopWhileMovingReachesTheStage) {
   stage.on_move = [&](int move) {

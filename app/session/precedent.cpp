@@ -1,0 +1,114 @@
+#include "app/session/precedent.h"
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+namespace lumifield {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// What may change between two scans of one dataset: where devices are found, how fast and how patiently they work,
+/// what is allowed and what is worth a warning.
+constexpr std::array<std::string_view, 19> free_members = {
+    "/camera/address",
+    "/camera/readout_s",
+    "/camera/packet_bytes",
+    "/stage/path",
+    "/stage/rapid_mm_s",
+    "/stage/acceleration_mm_s2",
+    "/stage/home",
+    "/limits_mm/",
+    "/tolerance_mm",
+    "/sensor/responsivity/date",
+    "/sensor/responsivity/source",
+    "/order",
+    "/settle_s",
+    "/dark_every_cells",
+    "/reference_cell/every",
+    "/reference_cell/limit",
+    "/warm_up_s",
+    "/limits/",
+    "/name",
+};
+
+bool is_free(std::string_view pointer) {
+  return pointer.ends_with("/name") ||
+         std::any_of(free_members.begin(), free_members.end(), [&](std::string_view free) {
+           return free.back() == '/' ? pointer.starts_with(free) : pointer == free;
+         });
+}
+
+/// "/filter/passes/0/scale" → "filter.passes[0].scale"
+std::string key_of(std::string_view pointer) {
+  std::string key;
+  while (!pointer.empty()) {
+    pointer.remove_prefix(1);
+    const std::string_view part = pointer.substr(0, pointer.find('/'));
+    const bool index = !part.empty() && part.find_first_not_of("0123456789") == part.npos;
+    if (index)
+      key.append("[").append(part).append("]");
+    else
+      key.append(key.empty() ? "" : ".").append(part);
+    pointer.remove_prefix(part.size());
+  }
+  return key;
+}
+
+std::string text_of(const Json& members, const std::string& pointer) {
+  return members.contains(pointer) ? members[pointer].dump(-1, ' ', false, Json::error_handler_t::replace) : "absent";
+}
+
+Status check_same(const Json& recorded, const Json& now, const std::string& place) {
+  const Json before = recorded.flatten(), after = now.flatten();
+  for (const Json* side : {&after, &before})
+    for (const auto& [pointer, value] : side->items())
+      if (!is_free(pointer) &&
+          !(before.contains(pointer) && after.contains(pointer) && before[pointer] == after[pointer]))
+        return fail("is " + text_of(after, pointer) + ", but the dataset was begun with " + text_of(before, pointer),
+                    place + ": " + key_of(pointer),
+                    "resume with the bench and the plan it was begun with, or scan into a new dataset");
+  return {};
+}
+
+Json scans_of(const std::string& provenance_json) {
+  const Json provenance = Json::parse(provenance_json, nullptr, false);
+  if (!provenance.is_object() || !provenance.contains("scans") || !provenance["scans"].is_array()) return Json::array();
+  return provenance["scans"];
+}
+
+bool has_number(const Json& json, const char* key) { return json.contains(key) && json[key].is_number(); }
+
+}  // namespace
+
+Result<std::string> check_same_measurement(const std::string& provenance_json, const Bench& bench, const Plan& plan) {
+  const Json scans = scans_of(provenance_json);
+  const Json last = scans.empty() ? Json::object() : scans.back();
+  for (const char* part : {"bench", "plan"})
+    if (!last.is_object() || !last.contains(part) || !last[part].is_object() || last[part].empty())
+      return "the dataset does not tell with which bench and plan it was begun: they are taken to be these";
+  if (Status same = check_same(last["bench"], Json::parse(to_json(bench)), "bench"); !same)
+    return tl::unexpected(same.error());
+  if (Status same = check_same(last["plan"], Json::parse(to_json(plan)), "plan"); !same)
+    return tl::unexpected(same.error());
+  return "";
+}
+
+std::optional<ReferenceReading> first_reading(const std::string& provenance_json) {
+  for (const Json& scan : scans_of(provenance_json)) {
+    if (!scan.is_object() || !scan.contains("reference") || !scan["reference"].is_array()) continue;
+    for (const Json& json : scan["reference"]) {
+      if (!json.is_object() || !has_number(json, "signal_dn_per_s") || !has_number(json, "exposure_s")) continue;
+      ReferenceReading reading;
+      reading.signal_dn_per_s = json["signal_dn_per_s"].get<double>();
+      reading.exposure_s = json["exposure_s"].get<double>();
+      if (reading.signal_dn_per_s > 0 && reading.exposure_s > 0) return reading;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace lumifield

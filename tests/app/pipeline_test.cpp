@@ -1,0 +1,130 @@
+#include "app/session/pipeline.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "app/session/guarded.h"
+#include "tests/calibration/synthetic_bench.h"
+
+namespace lumifield {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class PipelineTest : public testing::Test {
+ protected:
+  PipelineTest() { fs::remove_all(folder_); }
+  ~PipelineTest() override { fs::remove_all(folder_); }
+
+  Result<DatasetWriter> create() {
+    Manifest manifest;
+    manifest.geometry = luminaire_geometry(bench_, plan_);
+    return DatasetWriter::create(folder_, std::move(manifest));
+  }
+  CellImage image() const {
+    CellImage image;
+    image.width_px = plan_.measurement.width_px, image.height_px = plan_.measurement.height_px, image.channels = 1;
+    image.value.assign(image.plane(), 1.5F);
+    image.variance.assign(image.plane(), 0.25F);
+    return image;
+  }
+  std::vector<std::string> notices() {
+    pipeline_.events.close();
+    std::vector<std::string> texts;
+    while (auto event = pipeline_.events.pop())
+      if (const auto* notice = std::get_if<Notice>(&*event)) texts.push_back(notice->text);
+    return texts;
+  }
+
+  Bench bench_ = test::synthetic_bench();
+  Plan plan_ = test::synthetic_plan();
+  fs::path folder_ = fs::path(testing::TempDir()) / ("pipeline_" + std::to_string(getpid()) + ".lumi");
+  Pipeline pipeline_;
+};
+
+TEST(Guarded, TurnsExceptionsIntoErrors) {
+  EXPECT_EQ(guarded("store", []() -> Status { throw std::bad_alloc(); }).error().what, "out of memory");
+  EXPECT_THAT(guarded("store", []() -> Status { throw std::runtime_error("odd"); }).error().what, HasSubstr("odd"));
+  EXPECT_EQ(guarded("store", []() -> Status { throw 3; }).error().where, "store");
+  EXPECT_EQ(guarded("store", []() -> Result<int> { return 3; }), 3);
+}
+
+TEST_F(PipelineTest, KeepsTheFirstErrorAndTellsLaterFaults) {
+  pipeline_.fail({"no space", "disk", ""});
+  pipeline_.fail({"stopped by the operator", "scan", "", ErrorKind::stopped});
+  pipeline_.fail({"alarm", "stage", ""});
+  EXPECT_EQ(pipeline_.error()->what, "no space");
+  EXPECT_TRUE(pipeline_.abandon_token().stop_requested());
+  EXPECT_FALSE(pipeline_.stop_token().stop_requested());
+  EXPECT_EQ(notices(), std::vector<std::string>{"stage: alarm"});
+}
+
+TEST_F(PipelineTest, ABenchWithoutCameraEndsTheLine) {
+  bench_.camera.kind = "none";
+  BenchOutcome outcome;
+  run_bench(bench_, plan_, {}, std::nullopt, pipeline_, outcome);
+  ASSERT_TRUE(pipeline_.error());
+  EXPECT_EQ(pipeline_.error()->where, "camera.kind");
+  EXPECT_FALSE(pipeline_.raw.push({}));
+}
+
+TEST_F(PipelineTest, ACellThatCannotBeDevelopedClosesBothSides) {
+  auto developer = Developer::create(bench_, plan_);
+  ASSERT_TRUE(developer) << developer.error().message();
+  RawCell raw;
+  raw.cell = {1, 2};
+  raw.passes.resize(1);
+  ASSERT_TRUE(pipeline_.raw.push(raw));
+  std::vector<double> times;
+  int warned = 0;
+  run_develop(*developer, pipeline_, times, warned);
+  ASSERT_TRUE(pipeline_.error());
+  EXPECT_THAT(pipeline_.error()->where, HasSubstr("cell (1, 2)"));
+  EXPECT_FALSE(pipeline_.raw.push(raw));
+  EXPECT_FALSE(pipeline_.developed.pop());
+}
+
+TEST_F(PipelineTest, ACellThatCannotBeStoredClosesBothSides) {
+  auto writer = create();
+  ASSERT_TRUE(writer) << writer.error().message();
+  ASSERT_TRUE(pipeline_.developed.push({{7, 7}, image(), {0, 0}}));
+  std::vector<double> times;
+  bool failed = false;
+  run_store(*writer, {}, pipeline_, times, failed);
+  EXPECT_TRUE(failed);
+  ASSERT_TRUE(pipeline_.error());
+  EXPECT_THAT(pipeline_.error()->where, HasSubstr("cell (7, 7)"));
+  EXPECT_FALSE(pipeline_.developed.push({{0, 0}, image(), {0, 0}}));
+  EXPECT_FALSE(pipeline_.stored.pop());
+}
+
+TEST_F(PipelineTest, StoresTellsTheNotesAndHandsOnWithoutVariance) {
+  auto writer = create();
+  ASSERT_TRUE(writer) << writer.error().message();
+  ASSERT_TRUE(pipeline_.developed.push({{0, 1}, image(), {0, 0}}));
+  pipeline_.developed.close();
+  std::vector<double> times;
+  bool failed = false;
+  run_store(*writer, {"a torn line", "a damaged file"}, pipeline_, times, failed);
+  EXPECT_FALSE(failed);
+  const auto stored = pipeline_.stored.pop();
+  ASSERT_TRUE(stored);
+  EXPECT_EQ(stored->image->value, image().value);
+  EXPECT_EQ(stored->image->variance.capacity(), 0U);
+  EXPECT_EQ(notices(), (std::vector<std::string>{"a torn line", "a damaged file"}));
+}
+
+TEST_F(PipelineTest, WithoutARendererTheCellsPass) {
+  ASSERT_TRUE(pipeline_.stored.push({}));
+  pipeline_.stored.close();
+  std::vector<double> render_s, kernel_s;
+  run_render(nullptr, 0, 9, {0.5, 1}, pipeline_, render_s, kernel_s);
+  EXPECT_FALSE(pipeline_.stored.pop());
+  EXPECT_FALSE(pipeline_.error());
+  EXPECT_TRUE(render_s.empty());
+}
+
+}  // namespace
+}  // namespace lumifield
