@@ -54,8 +54,6 @@ class BoundedQueue {
     not_full_.notify_all();
   }
 
-  std::size_t bound() const { return bound_; }
-
  private:
   const std::size_t bound_;
   std::mutex mutex_;
