@@ -10,7 +10,8 @@ namespace lumifield {
 ///     settling → moving                   the position read back is off: moved to once more
 ///     exposing → moving                   next pass of the cell, or a bracket taken again
 ///     idle → done                         nothing to scan
-///     any but the last three → stopped    stop requested: the stage is halted and stays there
+///     any but the last three → stopped    stop requested: the stage is halted and stays there (failed, when a device
+///                                         fails meanwhile)
 ///     any but the last three → failed     a device error, or nobody takes the cells: halted; parked before that
 ///                                         (→ parking → failed) when the stage still answers and homing was not what
 ///                                         failed

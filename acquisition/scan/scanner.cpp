@@ -197,13 +197,16 @@ Status Scanner::park() {
 
 Status Scanner::end(Status status) {
   if (!status) stage_.halt();
-  if (!status && stop_.stop_requested()) {
+  if (!status && status.error().kind == ErrorKind::stopped && stop_.stop_requested()) {
     status = stopped();
     enter(ScanState::stopped);
   } else if (!status) {
     if (status.error().kind == ErrorKind::stopped) status = fail("ended, as nobody takes its cells any more", "scan");
-    // Bring the lamp behind the opaque patch, unless the stage does not know its place, cannot park or is silent.
-    if (state_ != ScanState::homing && state_ != ScanState::parking && stage_.position())
+    // Bring the lamp behind the opaque patch, unless the stage does not know its place, cannot park or is silent. After
+    // a stop it stays where it is.
+    if (stop_.stop_requested())
+      status.error().remedy += " (the stage is not parked: the operator stopped the scan)";
+    else if (state_ != ScanState::homing && state_ != ScanState::parking && stage_.position())
       if (const Status parked = park(); !parked)
         status.error().remedy += " (the stage could not be parked: " + parked.error().message() + ")";
     enter(ScanState::failed);

@@ -62,7 +62,8 @@ class Scanner {
   /// Runs all steps. Legal once, in state idle; refused in any other state. `stop` is the operator's; `abandon` tells
   /// that nobody takes the cells any more: the scan ends as after a device error, parked.
   /// Errors: that of the device, with the cell and pass in front of its place; a stage that does not reach or does not
-  /// hold a position; a reference cell that cannot serve; a stop request, `kind` = stopped.
+  /// hold a position; a reference cell that cannot serve; a stop request, `kind` = stopped. A device that fails while
+  /// the scan is being stopped is told as that failure.
   Status run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop, std::stop_token abandon = {});
 
   ScanState state() const { return state_; }

@@ -189,6 +189,21 @@ TEST_F(ScannerTest, StopWhileMovingReachesTheStage) {
   EXPECT_EQ(stage.halts, 1);
 }
 
+TEST_F(ScannerTest, ADeviceThatFailsWhileTheScanIsStoppedIsTold) {
+  camera.fail_at_frame = 8;
+  camera.on_expose = [&](int frame) {
+    if (frame == 8) stop.request_stop();
+  };
+  const Status status = run();
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().what, "the camera is gone");
+  EXPECT_EQ(status.error().kind, ErrorKind::fault);
+  EXPECT_THAT(status.error().remedy, HasSubstr("not parked"));
+  EXPECT_EQ(scanner.state(), failed);
+  EXPECT_EQ(stage.halts, 1);
+  EXPECT_NE(stage.at, dark_target_mm(bench));
+}
+
 TEST_F(ScannerTest, StopCutsTheSettlingShort) {
   clock.on_wait = [&] { stop.request_stop(); };
   ASSERT_FALSE(run());

@@ -36,7 +36,7 @@ class StageDouble final : public Stage {
   const StageInfo& info() const override { return stage_info; }
   Status home(std::stop_token stop = {}) override {
     ++homings;
-    if (stop.stop_requested()) return fail("halted", "stage");
+    if (stop.stop_requested()) return halted();
     if (home_error) return tl::unexpected(*home_error);
     at = {0, 0};
     clock.now += home_s;
@@ -46,7 +46,7 @@ class StageDouble final : public Stage {
     ++moves;
     targets.push_back(target_mm);
     if (on_move) on_move(moves);
-    if (stop.stop_requested()) return fail("halted", "stage");
+    if (stop.stop_requested()) return halted();
     if (moves == alarm_at_move) alarm = true;
     if (alarm) return fail("alarm 1: a limit switch was hit", "stage", "home it");
     clock.now += move_time_s({stage_info.rapid_mm_s, stage_info.acceleration_mm_s2}, at, target_mm);
@@ -60,6 +60,9 @@ class StageDouble final : public Stage {
     return at;
   }
   void halt() override { ++halts; }
+  static tl::unexpected<Error> halted() {
+    return tl::unexpected<Error>({"stopped by the operator", "stage", {}, ErrorKind::stopped});
+  }
 
   ManualClock& clock;
   StageInfo stage_info{"double", "memory", 50, 500, {200, 200}};
