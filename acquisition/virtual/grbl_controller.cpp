@@ -7,9 +7,8 @@
 #include <mutex>
 #include <thread>
 
-#include "acquisition/virtual/axes.h"
-#include "acquisition/virtual/gcode.h"
-#include "acquisition/virtual/grbl_settings.h"
+#include "acquisition/virtual/grbl_lines.h"
+#include "acquisition/virtual/motion.h"
 #include "acquisition/virtual/pseudo_terminal.h"
 
 namespace lumifield::virtual_bench {
@@ -31,9 +30,9 @@ struct GrblController::Impl {
   std::function<void(const Vec2&)> prepare;
   PseudoTerminal terminal;
 
-  mutable std::mutex mutex;  // guards all below
-  mutable Axes axes;
-  mutable Clock::time_point advanced = Clock::now();
+  std::mutex mutex;  // guards all below
+  Axes axes;
+  Clock::time_point advanced = Clock::now();
   GrblSettings settings;
   Gcode gcode;
   Mode mode = Mode::alarm;
@@ -45,15 +44,17 @@ struct GrblController::Impl {
   bool silent = false;
   int reports = 0;
 
-  std::jthread thread;
+  std::jthread thread;  // the last, so that it ends before what it uses
 
   explicit Impl(const GrblOptions& o)
       : options(o), axes(o.power_up_mm), settings(o.travel_mm, o.rapid_mm_s, o.acceleration_mm_s2) {}
-  ~Impl() {
-    if (thread.joinable()) {
-      thread.request_stop();
-      thread.join();
-    }
+
+  /// Acts on the machine as it stands now.
+  template <class F>
+  auto now(F&& act) {
+    const std::lock_guard lock(mutex);
+    advance();
+    return act();
   }
 
   // ---- The line to the host
@@ -69,21 +70,16 @@ struct GrblController::Impl {
   }
 
   void run(std::stop_token stop) {
-    {
-      const std::lock_guard lock(mutex);
-      welcome();
-    }
+    now([&] { welcome(); });
+    bool moving = false;
     while (!stop.stop_requested()) {
-      const std::string bytes = terminal.read(moving() ? 1 : 10);
-      const std::lock_guard lock(mutex);
-      advance();
-      for (const char byte : bytes) take(byte);
-      read_lines();
+      const std::string bytes = terminal.read(moving ? 1 : 10);
+      now([&] {
+        for (const char byte : bytes) take(byte);
+        read_lines();
+        moving = !axes.empty();
+      });
     }
-  }
-  bool moving() const {
-    const std::lock_guard lock(mutex);
-    return !axes.empty();
   }
 
   // ---- Real-time commands act on receipt; all else waits for the line reader
@@ -99,14 +95,14 @@ struct GrblController::Impl {
 
   void reset() {
     const bool position_lost = !axes.empty() && !axes.held();
-    if (mode == Mode::home) {
+    if (mode == Mode::home)
       alarm(6, Mode::alarm);
-    } else if (position_lost && mode != Mode::dead) {
+    else if (mode == Mode::idle && position_lost)
       alarm(3, Mode::alarm);
-    }
-    if (mode == Mode::dead) mode = Mode::alarm;
+    else if (mode == Mode::dead)
+      mode = Mode::alarm;
     axes.kill();
-    gcode.reset();
+    gcode = {};
     if (answer_on_reset) answer(GrblError::none);
     answer_on_reset = answer_when_idle = overflowed = false;
     received.clear();
@@ -130,23 +126,20 @@ struct GrblController::Impl {
   }
 
   void report() {
-    const double unit = settings.on(13) ? 1 / 25.4 : 1;
-    const auto point = [unit](const Vec2& mm) {
+    const auto point = [](const Vec2& mm) {
       char text[80];
-      std::snprintf(text, sizeof text, "%.3f,%.3f,0.000", mm.x() * unit, mm.y() * unit);
+      std::snprintf(text, sizeof text, "%.3f,%.3f,0.000", mm.x(), mm.y());
       return std::string(text);
     };
     const int shown = int(settings[10]);
-    const Vec2 offset = gcode.work_offset_mm(), at = axes.true_mm();
-    std::string text(1, '<');
-    text += state_name();
-    text += (shown & 1) != 0 ? "|MPos:" + point(axes.claimed_mm()) : "|WPos:" + point(axes.claimed_mm() - offset);
+    std::string text = "<" + state_name() + ((shown & 1) != 0 ? "|MPos:" : "|WPos:") + point(axes.claimed_mm());
     if ((shown & 2) != 0)
       text += "|Bf:" + std::to_string(axes.free_slots()) + "," + std::to_string(kReceiveBytes - received.size());
-    text += "|FS:" + std::to_string(std::lround(axes.speed_mm_s() * 60 * unit)) + ",0";
-    const bool x = at.x() <= low() || at.x() >= high().x(), y = at.y() <= low() || at.y() >= high().y();
-    if (x || y) text += std::string("|Pn:") + (x ? "X" : "") + (y ? "Y" : "");
-    if (reports % kReportsBetweenOffsets == 0) text += "|WCO:" + point(offset);
+    text += "|FS:" + std::to_string(std::lround(axes.speed_mm_s() * 60)) + ",0";
+    const Eigen::Array2d at = axes.true_mm().array();
+    const Eigen::Array<bool, 2, 1> closed = at <= low() || at >= high().array();
+    if (closed.any()) text += std::string("|Pn:") + (closed.x() ? "X" : "") + (closed.y() ? "Y" : "");
+    if (reports % kReportsBetweenOffsets == 0) text += "|WCO:" + point({0, 0});
     if (reports++ % kReportsBetweenOffsets == 1) text += "|Ov:100,100,100";
     send_line(text + ">");
   }
@@ -157,7 +150,7 @@ struct GrblController::Impl {
   double low() const { return -settings[27]; }
   Vec2 high() const { return options.travel_mm + Vec2::Constant(settings[27]); }
 
-  void advance() const {
+  void advance() {
     const auto now = Clock::now();
     axes.advance(std::chrono::duration<double>(now - advanced).count());
     advanced = now;
@@ -167,12 +160,12 @@ struct GrblController::Impl {
     const Vec2 at = axes.true_mm();
     const Vec2 inside = at.cwiseMax(Vec2::Constant(low())).cwiseMin(high());
     if (mode != Mode::home && inside != at) {
-      axes.blocked_at(inside);
+      axes.stands_at(inside, axes.claimed_mm());
       if (settings.on(21)) alarm(1, Mode::dead);
     }
     if (!answer_when_idle || !axes.empty()) return;
     if (mode == Mode::home) {
-      axes.reference(Vec2::Zero());
+      axes.stands_at(Vec2::Zero(), Vec2::Zero());
       mode = Mode::idle;
     }
     answer_when_idle = false;
@@ -182,27 +175,28 @@ struct GrblController::Impl {
   void home() {
     // Seek both switches, pull off, find them again slowly, pull off.
     mode = Mode::home;
-    const Vec2 at = axes.claimed_mm();
-    const Vec2 at_switch = at + Vec2::Constant(low()) - axes.true_mm();
+    const Vec2 at_switch = axes.claimed_mm() + Vec2::Constant(low()) - axes.true_mm();
     const Vec2 pulled_off = at_switch + Vec2::Constant(settings[27]);
-    push_line(at, at_switch, settings[25]);
-    push_line(at_switch, pulled_off, settings[25]);
-    push_line(pulled_off, at_switch, settings[24]);
-    push_line(at_switch, pulled_off, settings[25]);
+    push_line(at_switch, settings[25]);
+    push_line(pulled_off, settings[25]);
+    push_line(at_switch, settings[24]);
+    push_line(pulled_off, settings[25]);
     answer_when_idle = true;
   }
 
-  void push_line(const Vec2& from, const Vec2& to, double feed_mm_min, double dwell_s = 0) {
-    const Vec2 way = (to - from).norm() > 0 ? Vec2((to - from).normalized()) : Vec2(1, 0);
-    const double rapid = limited_along(way, settings.axes(110)) / 60;
-    axes.push({from, to, std::min(rapid, feed_mm_min / 60), limited_along(way, settings.axes(120)), dwell_s});
+  /// A line from where the queue ends, at the feed or the fastest that the axes' settings allow along it.
+  void push_line(const Vec2& to, double feed_mm_min, double dwell_s = 0) {
+    const Vec2 from = axes.target_mm();
+    const Eigen::Array2d share = (to - from).normalized().array().abs();
+    const auto along = [&](int setting) { return (settings.axes(setting).array() / share).minCoeff(); };
+    axes.push({from, to, std::min(along(110), feed_mm_min) / 60, along(120), dwell_s});
   }
 
   // ---- Lines
 
   // A line is taken when the machine can act on it: not while homing, dwelling, held or dead, nor with a full planner.
   bool ready() const {
-    return !answer_when_idle && !axes.held() && !axes.stopping() && mode != Mode::dead && !axes.full();
+    return !answer_when_idle && !axes.held() && !axes.stopping() && mode != Mode::dead && axes.free_slots() > 0;
   }
 
   void read_lines() {
@@ -223,18 +217,6 @@ struct GrblController::Impl {
       }
     }
     received.erase(0, std::min(used, received.size()));
-  }
-
-  static std::string stripped(const std::string& text) {
-    std::string bare;
-    bool comment = false;
-    for (const char c : text) {
-      if (c == ';') break;
-      if (c == '(') comment = true;
-      if (!comment && c > ' ' && c != '%') bare += char(std::toupper(static_cast<unsigned char>(c)));
-      if (c == ')') comment = false;
-    }
-    return bare;
   }
 
   void execute(const std::string& text) {
@@ -269,33 +251,24 @@ struct GrblController::Impl {
   void execute_motion(const std::string& text) {
     if (mode == Mode::alarm) return answer(GrblError::locked);
     GcodeAction action;
-    const Vec2 from = axes.target_mm();
-    if (const GrblError error = gcode.execute(text, from, action); error != GrblError::none) return answer(error);
+    if (const GrblError error = gcode.execute(text, axes.target_mm(), action); error != GrblError::none)
+      return answer(error);
     if (action.moves && settings.on(20) && beyond_travel(action.target_mm)) {
       answer_on_reset = true;
       return alarm(2, Mode::dead);
     }
-    accept(action, from);
-  }
-
-  bool beyond_travel(const Vec2& target) const {
-    const Vec2 travel = settings.axes(130);
-    return (target.array() < -1e-9).any() || (target.array() > travel.array() + 1e-9).any();
-  }
-
-  void accept(const GcodeAction& action, const Vec2& from) {
-    if (action.moves) {
-      const Eigen::Array2d steps = settings.axes(100).array();
-      const Vec2 to = (action.target_mm.array() * steps).round() / steps;
-      push_line(from, to, action.rapid ? INFINITY : action.feed_mm_min, action.dwell_s);
-      if (prepare) prepare(axes.true_target_mm());
-    } else if (action.dwell_s > 0) {
-      push_line(from, from, INFINITY, action.dwell_s);
-    }
+    const Eigen::Array2d steps = settings.axes(100).array();
+    if (action.moves) action.target_mm = (action.target_mm.array() * steps).round() / steps;
+    if (action.moves || action.dwell_s > 0) push_line(action.target_mm, action.feed_mm_min, action.dwell_s);
+    if (action.moves && prepare) prepare(axes.true_target_mm());
     if (action.dwell_s > 0)
       answer_when_idle = true;
     else
       answer(GrblError::none);
+  }
+
+  bool beyond_travel(const Vec2& target) const {
+    return (target.array() < -1e-9).any() || (target.array() > settings.axes(130).array() + 1e-9).any();
   }
 };
 
@@ -312,26 +285,19 @@ GrblController::GrblController(std::unique_ptr<Impl> impl) : impl_(std::move(imp
 GrblController::~GrblController() = default;
 
 Vec2 GrblController::true_position_mm() const {
-  const std::lock_guard lock(impl_->mutex);
-  impl_->advance();
-  return impl_->axes.true_mm();
+  return impl_->now([&] { return impl_->axes.true_mm(); });
 }
 void GrblController::lose_steps(double mm_per_move) {
-  const std::lock_guard lock(impl_->mutex);
-  impl_->axes.lost_mm_per_move = mm_per_move;
+  impl_->now([&] { impl_->axes.lost_mm_per_move = mm_per_move; });
 }
 void GrblController::stick(bool stuck) {
-  const std::lock_guard lock(impl_->mutex);
-  impl_->advance();
-  impl_->axes.stuck = stuck;
+  impl_->now([&] { impl_->axes.stuck = stuck; });
 }
 void GrblController::silence(bool silent) {
-  const std::lock_guard lock(impl_->mutex);
-  impl_->silent = silent;
+  impl_->now([&] { impl_->silent = silent; });
 }
 void GrblController::trip_limit() {
-  const std::lock_guard lock(impl_->mutex);
-  impl_->alarm(1, Mode::dead);
+  impl_->now([&] { impl_->alarm(1, Mode::dead); });
 }
 
 }  // namespace lumifield::virtual_bench

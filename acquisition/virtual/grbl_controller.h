@@ -20,7 +20,7 @@ struct GrblOptions {
 
 /// A GRBL 1.1 controller of a two-axis stage on a pseudo-terminal, built as HOMING_FORCE_SET_ORIGIN: $H seeks the
 /// switches at the low end of both axes, and MPos is 0 where the pull-off ends, so that readings run from 0 to the
-/// travel. Readings are MPos; work offsets change WPos and targets only. Before homing MPos is 0 wherever the carriage
+/// travel. Work positions are machine positions: no offset can be set. Before homing MPos is 0 wherever the carriage
 /// stands.
 ///
 ///     Alarm ── $X ──▶ Idle       Alarm, Idle ── $H ──▶ Home ── ok ──▶ Idle

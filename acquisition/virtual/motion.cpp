@@ -2,47 +2,114 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 namespace lumifield::virtual_bench {
 
-Trapezoid::Trapezoid(double length_mm, double cruise_mm_s, double acceleration_mm_s2, double entry_mm_s)
-    : length_(length_mm), entry_(entry_mm_s), up_(acceleration_mm_s2), down_(acceleration_mm_s2) {
-  if (length_ <= 0) {
-    length_ = entry_ = 0;
-    return;
+Trapezoid::Trapezoid(double length_mm, double cruise_mm_s, double acceleration_mm_s2) {
+  if (length_mm <= 0) return;
+  const double peak = std::min(cruise_mm_s, std::sqrt(acceleration_mm_s2 * length_mm));
+  const double ramp_s = peak / acceleration_mm_s2, cruise_s = std::max(0.0, length_mm / peak - ramp_s);
+  length_ = length_mm;
+  phases_ = {{{ramp_s, acceleration_mm_s2}, {cruise_s, 0}, {ramp_s, -acceleration_mm_s2}}};
+}
+
+Trapezoid Trapezoid::braking(double speed_mm_s, double acceleration_mm_s2) {
+  Trapezoid stop;
+  stop.length_ = speed_mm_s * speed_mm_s / (2 * acceleration_mm_s2);
+  stop.entry_ = speed_mm_s;
+  stop.phases_[2] = {speed_mm_s / acceleration_mm_s2, -acceleration_mm_s2};
+  return stop;
+}
+
+Trapezoid::Point Trapezoid::at(double time_s) const {
+  if (time_s >= duration_s()) return {length_, 0};
+  Point point{0, entry_};
+  for (const Phase& phase : phases_) {
+    const double t = std::clamp(time_s, 0.0, phase.s);
+    point = {point.mm + (point.mm_s + phase.mm_s2 * t / 2) * t, point.mm_s + phase.mm_s2 * t};
+    time_s -= t;
   }
-  // Peak speed: v² = a L + v0²/2 where the move has no cruise.
-  peak_ = std::min(std::max(cruise_mm_s, entry_), std::sqrt(up_ * length_ + entry_ * entry_ / 2));
-  if (peak_ <= entry_) {
-    peak_ = entry_;
-    down_ = std::max(down_, peak_ * peak_ / (2 * length_));
+  return point;
+}
+
+void Axes::push(const Move& move) {
+  queue_.push_back(move);
+  if (queue_.size() > 1) return;
+  time_s_ = 0;
+  begin_front();
+}
+
+void Axes::begin_front() {
+  const Move& move = queue_.front();
+  profile_ = Trapezoid((move.to_mm - move.from_mm).norm(), move.speed_mm_s, move.acceleration_mm_s2);
+  travelled_mm_ = 0;
+  lost_per_mm_ = profile_.length_mm() > 0 ? lost_mm_per_move / profile_.length_mm() : 0;
+}
+
+void Axes::travel_to(double distance_mm) {
+  const Move& move = queue_.front();
+  offset_mm_ -= move.direction() * lost_per_mm_ * (distance_mm - travelled_mm_);
+  claimed_mm_ = move.from_mm + move.direction() * distance_mm;
+  travelled_mm_ = distance_mm;
+}
+
+void Axes::advance(double seconds) {
+  if (stuck || held()) return;
+  time_s_ += seconds;
+  while (!queue_.empty()) {
+    Move& move = queue_.front();
+    travel_to(profile_.at(time_s_).mm);
+    const double end_s = profile_.duration_s() + (stopping() ? 0 : move.dwell_s);
+    if (time_s_ < end_s) return;
+
+    // Stopped on the way: what is left is a move from rest.
+    if (stopping()) {
+      hold_ = Hold::held;
+      move.from_mm = claimed_mm_;
+      return;
+    }
+    time_s_ -= end_s;
+    claimed_mm_ = move.to_mm;
+    queue_.pop_front();
+    if (!queue_.empty()) begin_front();
   }
-  speeding_up_s_ = (peak_ - entry_) / up_;
-  slowing_down_s_ = peak_ / down_;
-  const double ramps = (peak_ + entry_) / 2 * speeding_up_s_ + peak_ / 2 * slowing_down_s_;
-  cruising_s_ = std::max(0.0, (length_ - ramps) / peak_);
 }
 
-double Trapezoid::distance_mm(double time_s) const {
-  if (time_s >= duration_s()) return length_;
-  const double up = std::clamp(time_s, 0.0, speeding_up_s_);
-  const double cruise = std::clamp(time_s - speeding_up_s_, 0.0, cruising_s_);
-  const double down = std::clamp(time_s - speeding_up_s_ - cruising_s_, 0.0, slowing_down_s_);
-  return entry_ * up + up_ * up * up / 2 + peak_ * cruise + peak_ * down - down_ * down * down / 2;
+void Axes::hold() {
+  if (hold_ != Hold::none) return;
+  hold_ = queue_.empty() ? Hold::held : Hold::stopping;
+  if (queue_.empty()) return;
+  Move& move = queue_.front();
+  profile_ = Trapezoid::braking(profile_.at(time_s_).mm_s, move.acceleration_mm_s2);
+  move.from_mm = claimed_mm_;
+  time_s_ = travelled_mm_ = 0;
 }
 
-double Trapezoid::speed_mm_s(double time_s) const {
-  if (time_s >= duration_s()) return 0;
-  if (time_s < speeding_up_s_) return entry_ + up_ * time_s;
-  return peak_ - down_ * std::max(0.0, time_s - speeding_up_s_ - cruising_s_);
+void Axes::resume() {
+  if (!held()) return;
+  hold_ = Hold::none;
+  time_s_ = 0;
+  if (queue_.empty()) return;
+  const double rate = lost_per_mm_;
+  begin_front();
+  lost_per_mm_ = rate;
 }
 
-double limited_along(const Vec2& direction, const Vec2& axis_limit) {
-  double limit = std::numeric_limits<double>::infinity();
-  for (int axis = 0; axis < 2; ++axis)
-    if (std::abs(direction[axis]) > 1e-9) limit = std::min(limit, axis_limit[axis] / std::abs(direction[axis]));
-  return limit;
+void Axes::kill() {
+  queue_.clear();
+  hold_ = Hold::none;
+}
+
+Vec2 Axes::true_target_mm() const {
+  Vec2 target = target_mm() + offset_mm_;
+  for (const Move& move : queue_) target -= move.direction() * lost_mm_per_move;
+  return target;
+}
+
+void Axes::stands_at(const Vec2& true_mm, const Vec2& claimed_mm) {
+  claimed_mm_ = claimed_mm;
+  offset_mm_ = true_mm - claimed_mm;
 }
 
 }  // namespace lumifield::virtual_bench
