@@ -1,0 +1,74 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "luminaire/error.h"
+#include "luminaire/light_field.h"
+#include "luminaire/scene.h"
+#include "renderer/picture.h"
+#include "renderer/renderer.h"
+
+namespace lumifield {
+
+/// How a picture is shown.
+struct PreviewLook {
+  ToneCurve tone{0.3, 0};
+  bool false_colour = false;
+  double false_colour_top = 0;  ///< luminance at the scale's end, dataset's unit; 0 = the picture's largest
+};
+
+/// One finished picture, immutable.
+struct PreviewFrame {
+  Picture8 shown;                           ///< to paint as it is
+  std::shared_ptr<const Picture> radiance;  ///< the values behind it
+  PreviewLook look;
+  SceneCamera camera;
+  double scale_top = 0;      ///< luminance at the false-colour scale's end, dataset's unit
+  double average = 0;        ///< L̄ that the tone curve took
+  int cells = 0, total = 0;  ///< in the picture, and of the grid
+  bool coarse = false;       ///< fewer pixels or a coarser level of detail than asked for, while the view moves
+  double sum_s = 0;          ///< seconds spent on adding cells since the last frame
+  double show_s = 0;         ///< seconds spent on shading and tone mapping
+  /// When the oldest cell that this picture is the first to hold was handed in; the epoch when it holds no new one.
+  std::chrono::steady_clock::time_point handed_in{};
+};
+
+/// The render thread: it owns the Renderer for life, takes cells as they come, and hands out pictures, at most 25 a
+/// second. Cells are never dropped, only summed later; views may be: the latest counts. A camera that moves gets a
+/// coarser picture at once; when it rests the full one follows, and a new move interrupts its making. While a scan runs
+/// the thread leaves the cores to it between frames. Every member function returns at once and may be called from any
+/// thread; the callbacks come on the render thread.
+class LivePreview {
+ public:
+  struct Callbacks {
+    std::function<void(std::shared_ptr<const PreviewFrame>)> frame;
+    std::function<void(const RendererInfo&)> ready;  ///< a renderer stands: after the start and after each set_scene
+    std::function<void(const Error&)> failed;        ///< no picture of this scene; another scene may do
+  };
+  /// Starts the thread; it waits for a scene.
+  explicit LivePreview(Callbacks callbacks);
+  /// Joins; takes as long as the piece of work at hand, some 0.1 s.
+  ~LivePreview();
+
+  void set_scene(Scene scene);
+  /// Forgets all cells.
+  void set_luminaire(LuminaireGeometry geometry);
+  /// Adds or replaces one. The image is kept while the luminaire is. A cell before set_luminaire is refused by
+  /// `failed`.
+  void add(CellIndex cell, std::shared_ptr<const CellImage> image);
+  void set_camera(const SceneCamera& camera, bool moving);
+  /// Size of the full picture.
+  void set_size(int width_px, int height_px);
+  void set_look(const PreviewLook& look);
+  void set_scan_running(bool running);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lumifield

@@ -1,0 +1,70 @@
+#include "app/views/luminaire_model.h"
+
+#include <QSignalSpy>
+#include <QTemporaryDir>
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace lumifield {
+namespace {
+
+LuminaireGeometry geometry() {
+  LuminaireGeometry g;
+  g.planes.separation_mm = 150;
+  g.sampling = {BasisKind::bell, {7.5, 7.5}, 3, 2, {0, 0}};
+  g.measurement = {4, 4, {1, 1}, {0, 0}};
+  g.channels = {"Y"};
+  return g;
+}
+
+CellImage image(float value) { return {4, 4, 1, std::vector<float>(16, value), {}, {}}; }
+
+TEST(LuminaireModel, CellsComeWithTheirStateAndTheirDifferenceFromTheirNeighbours) {
+  LuminaireModel model;
+  model.reset(geometry(), "lamp");
+  QSignalSpy changed(&model, &LuminaireModel::cellChanged);
+  EXPECT_EQ(model.state({0, 0}), LuminaireModel::State::unmeasured);
+  model.set_measuring(CellIndex{0, 0});
+  EXPECT_EQ(model.state({0, 0}), LuminaireModel::State::measuring);
+  model.set_measuring(std::nullopt);
+
+  CellEntry entry{{0, 0}, "a.exr", 1, "", {}, Quality{}};
+  model.put(entry, std::make_shared<CellImage>(image(1)));
+  EXPECT_TRUE(std::isnan(model.cell({0, 0})->neighbour_difference));
+  entry.cell = {0, 1};
+  entry.quality->warnings = {"saturated"};
+  model.put(entry, std::make_shared<CellImage>(image(3)));
+  EXPECT_NEAR(model.cell({0, 0})->neighbour_difference, 0.5, 1e-6);
+  EXPECT_EQ(model.state({0, 0}), LuminaireModel::State::measured);
+  EXPECT_EQ(model.state({0, 1}), LuminaireModel::State::warned);
+  EXPECT_EQ(changed.count(), 3);
+  model.set_waiting({{0, 1}});
+  EXPECT_EQ(model.state({0, 1}), LuminaireModel::State::waiting);
+}
+
+TEST(LuminaireModel, LoadsAHalfDatasetAndSaysWhyItCannot) {
+  QTemporaryDir folder;
+  const std::filesystem::path path = folder.filePath("half.lumi").toStdString();
+  Manifest manifest;
+  manifest.geometry = geometry();
+  manifest.name = "half";
+  auto writer = DatasetWriter::create(path, manifest);
+  ASSERT_TRUE(writer) << writer.error().message();
+  ASSERT_TRUE(writer->add({1, 2}, image(2), {0, 0}));
+
+  LuminaireModel model;
+  QSignalSpy loaded(&model, &LuminaireModel::loaded), failed(&model, &LuminaireModel::loadFailed);
+  model.load(path);
+  ASSERT_TRUE(loaded.wait());
+  EXPECT_EQ(model.name(), "half");
+  EXPECT_EQ(model.measured(), 1);
+  EXPECT_EQ(model.total(), 6);
+  EXPECT_EQ(model.cell({1, 2})->image->at(0, 3, 3), 2.0F);
+
+  model.load(path / "none");
+  ASSERT_TRUE(failed.wait());
+  EXPECT_EQ(model.measured(), 1);  // what was there stays
+}
+
+}  // namespace
+}  // namespace lumifield
