@@ -18,12 +18,6 @@ namespace {
 /// A pixel of S of which footprints cover less than this is not seen.
 constexpr double least_coverage = 0.5;
 
-/// Displacement of the lamp, and with it of S, at a stage reading.
-Vec2 displacement_mm(const Bench& bench, const Vec2& stage_mm) {
-  if (bench.stage_carries == StageCarries::slide) return Vec2::Zero();
-  return bench.stage_to_luminaire.linear * stage_mm + bench.stage_to_luminaire.origin_mm;
-}
-
 /// Every displacement that the plan asks for.
 std::vector<Vec2> planned_displacements_mm(const Bench& bench, const Sampling& sampling) {
   if (bench.stage_carries == StageCarries::slide) return {Vec2::Zero()};
@@ -205,7 +199,7 @@ Result<CellImage> Developer::Impl::develop(const RawCell& raw) {
   for (std::size_t p = 0; p < raw.passes.size(); ++p) {
     passes.push_back({&raw.passes[p].bracket, bench.filter.passes[p].scale});
     if (bench.stage_carries == StageCarries::slide && p + 1 < raw.passes.size()) continue;
-    if (auto ok = weigh(displacement_mm(bench, raw.passes[p].stage_mm)); !ok)
+    if (auto ok = weigh(lamp_displacement_mm(bench, raw.passes[p].stage_mm)); !ok)
       return fail_in("cell " + to_string(raw.cell), ok.error());
     add_passes(passes, image, faults);
     passes.clear();

@@ -160,6 +160,11 @@ Json json_of(const FilterSlide& f) {
 
 }  // namespace
 
+Vec2 lamp_displacement_mm(const Bench& bench, const Vec2& stage_mm) {
+  if (bench.stage_carries == StageCarries::slide) return Vec2::Zero();
+  return bench.stage_to_luminaire.linear * stage_mm + bench.stage_to_luminaire.origin_mm;
+}
+
 Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vector<std::string>* defaults_taken) {
   Result<JsonDocument> document = JsonDocument::parse(json, name);
   if (!document) return tl::unexpected(document.error());

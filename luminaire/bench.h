@@ -97,6 +97,10 @@ struct Bench {
   FilterSlide filter;
 };
 
+/// Displacement of the lamp, and with it of S, in the bench frame at a stage reading: linear·q + origin when the stage
+/// carries the lamp, else 0.
+Vec2 lamp_displacement_mm(const Bench& bench, const Vec2& stage_mm);
+
 /// Defaults taken for absent members, and members that are not known, are told in `defaults_taken`, one text each.
 Result<Bench> read_bench(const std::filesystem::path& file, std::vector<std::string>* defaults_taken = nullptr);
 /// `name` stands for the file in error messages.

@@ -64,11 +64,6 @@ Vec2 stage_target_mm(const Bench& bench, const Vec2& u_mm) {
 
 Vec2 dark_target_mm(const Bench& bench) { return stage_target_mm(bench, Vec2(0, 0)) + bench.filter.dark_offset_mm; }
 
-Vec2 lamp_displacement_mm(const Bench& bench, const Vec2& stage_mm) {
-  if (bench.stage_carries == StageCarries::slide) return {0, 0};
-  return bench.stage_to_luminaire.linear * stage_mm + bench.stage_to_luminaire.origin_mm;
-}
-
 Result<ScanPlan> make_scan_plan(const Bench& bench, const Plan& plan, const std::set<CellIndex>& done) {
   if (Status status = check_rules(bench, plan); !status) return tl::unexpected(status.error());
 

@@ -171,5 +171,14 @@ TEST(Bench, TellsWhatItDoesNotKnow) {
   EXPECT_THAT(notes, testing::Contains("bench.json: filter.passes[0].ofset_mm is not known and ignored"));
 }
 
+TEST(Bench, OnlyACarriedLampIsDisplaced) {
+  Bench bench = *parse_bench(documented, "bench.json");
+  bench.stage_to_luminaire.linear << 0, -2, 3, 0;
+  bench.stage_to_luminaire.origin_mm = {10, 20};
+  EXPECT_EQ(lamp_displacement_mm(bench, {5, 7}), Vec2(0, 0));
+  bench.stage_carries = StageCarries::lamp;
+  EXPECT_EQ(lamp_displacement_mm(bench, {5, 7}), Vec2(-4, 35));
+}
+
 }  // namespace
 }  // namespace lumifield
