@@ -10,7 +10,7 @@
 #include <ImfTileDescription.h>
 #include <ImfTileDescriptionAttribute.h>
 #include <ImfVersion.h>
-#include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <limits>
@@ -60,11 +60,6 @@ class MemoryInput : public Imf::IStream {
   std::string_view bytes_;
   std::size_t at_ = 0;
 };
-
-std::string pixel_text(std::size_t k, int width_px) {
-  const auto width = static_cast<std::size_t>(width_px);
-  return "pixel (" + std::to_string(k % width) + ", " + std::to_string(k / width) + ")";
-}
 
 /// One slice per channel of the file, over the planes of `image`.
 Imf::FrameBuffer planes_of(CellImage& image, const std::vector<std::string>& channels, const Imath::V2i& origin) {
@@ -173,22 +168,6 @@ Quality unknown_quality() {
   return {unknown, unknown, unknown, unknown, unknown, unknown, {}};
 }
 
-Status check_finite(const CellImage& image, const LuminaireGeometry& geometry, std::string_view where) {
-  const auto refuse = [&](std::string_view what, std::string_view suffix, std::size_t k) {
-    const std::size_t plane = image.plane();
-    return fail("holds " + std::string(what),
-                std::string(where) + ": channel " + geometry.channels[k / plane] + std::string(suffix) + ": " +
-                    pixel_text(k % plane, image.width_px),
-                "measure the cell again");
-  };
-  for (std::size_t k = 0; k < image.value.size(); ++k)
-    if (!std::isfinite(image.value[k])) return refuse("NaN or Inf", "", k);
-  for (std::size_t k = 0; k < image.variance.size(); ++k)
-    if (!std::isfinite(image.variance[k]) || image.variance[k] < 0)
-      return refuse("NaN, Inf or a negative number", variance_suffix, k);
-  return {};
-}
-
 Result<std::string> encode_cell_exr(const CellImage& image, const LuminaireGeometry& geometry, CellIndex cell,
                                     int generation) {
   try {
@@ -224,7 +203,7 @@ Result<CellExr> decode_cell_exr(std::string_view bytes, const LuminaireGeometry&
   try {
     Result<CellExr> cell = decode(bytes, geometry, where);
     if (!cell) return cell;
-    if (Status ok = check_finite(cell->image, geometry, where); !ok) return tl::unexpected(ok.error());
+    if (Status ok = check_image(geometry, cell->image, where); !ok) return tl::unexpected(ok.error());
     return cell;
   } catch (const std::exception& e) {
     return fail(std::string("is damaged or ends early (") + e.what() + ")", std::string(where), damaged);

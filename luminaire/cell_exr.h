@@ -27,9 +27,6 @@ struct CellExr {
 /// variance, and a file that ends early. `where` stands for the file and the cell in messages.
 Result<CellExr> decode_cell_exr(std::string_view bytes, const LuminaireGeometry& geometry, std::string_view where);
 
-/// Refuses NaN, Inf and negative variance, naming channel and pixel.
-Status check_finite(const CellImage& image, const LuminaireGeometry& geometry, std::string_view where);
-
 /// A quality of which nothing is determined.
 Quality unknown_quality();
 

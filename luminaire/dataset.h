@@ -36,6 +36,9 @@ struct Manifest {
   std::string provenance_json = "{}";  ///< an object, kept as it is: program, bench, plan, times
 };
 
+/// Names the first member in which `a` is not `b`, in the manifest's words; empty when they describe one luminaire.
+std::optional<std::string> first_difference(const LuminaireGeometry& a, const LuminaireGeometry& b);
+
 /// Defaults taken for absent members are appended to `defaults_taken`, one text each.
 Result<Manifest> parse_manifest(std::string_view json, std::string_view name,
                                 std::vector<std::string>* defaults_taken = nullptr);

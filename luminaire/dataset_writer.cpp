@@ -85,15 +85,6 @@ Status remove_leftovers(const fs::path& folder, const Manifest& all_entries) {
   return {};
 }
 
-Status check_image(const CellImage& image, const LuminaireGeometry& g, const std::string& where) {
-  const std::size_t values = g.measurement.pixels() * g.channels.size();
-  if (image.width_px != g.measurement.width_px || image.height_px != g.measurement.height_px ||
-      image.channels != static_cast<int>(g.channels.size()) || image.value.size() != values ||
-      (!image.variance.empty() && image.variance.size() != values))
-    return fail("its image has another size or number of channels than the luminaire", where, "measure it again");
-  return check_finite(image, g, where);
-}
-
 }  // namespace
 
 Status DatasetWriter::lock(const fs::path& folder) {
@@ -190,8 +181,7 @@ std::string DatasetWriter::next_file(CellIndex cell, int& generation) const {
 Result<CellEntry> DatasetWriter::add(CellIndex cell, const CellImage& image, const Vec2& stage_mm) {
   const LuminaireGeometry& geometry = manifest_.geometry;
   const std::string where = "cell " + to_string(cell);
-  if (!geometry.sampling.contains(cell)) return fail("lies outside the grid of cells", where, "check row and column");
-  if (Status ok = check_image(image, geometry, where); !ok) return tl::unexpected(ok.error());
+  if (Status ok = check_cell(geometry, cell, image); !ok) return tl::unexpected(ok.error());
   CellEntry entry;
   entry.cell = cell;
   entry.file = next_file(cell, entry.generation);

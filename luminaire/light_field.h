@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "luminaire/basis.h"
@@ -46,7 +47,8 @@ struct Sampling {
   CellIndex index(int flat) const { return {flat / columns, flat % columns}; }
   /// u_m, mm on U: column along +x, row along +y.
   Vec2 cell_center_mm(CellIndex c) const {
-    return center_mm + Vec2((c.column - (columns - 1) / 2.0) * spacing_mm.x(), (c.row - (rows - 1) / 2.0) * spacing_mm.y());
+    return center_mm +
+           Vec2((c.column - (columns - 1) / 2.0) * spacing_mm.x(), (c.row - (rows - 1) / 2.0) * spacing_mm.y());
   }
 };
 
@@ -58,14 +60,16 @@ struct Measurement {
 
   /// Edge of pixel (0, 0) towards −x, −y: pixel (i, j) is [corner + (i, j)·pixel, corner + (i+1, j+1)·pixel).
   Vec2 corner_mm() const { return center_mm - Vec2(width_px * pixel_mm.x(), height_px * pixel_mm.y()) / 2; }
-  Vec2 pixel_center_mm(int i, int j) const { return corner_mm() + Vec2((i + 0.5) * pixel_mm.x(), (j + 0.5) * pixel_mm.y()); }
+  Vec2 pixel_center_mm(int i, int j) const {
+    return corner_mm() + Vec2((i + 0.5) * pixel_mm.x(), (j + 0.5) * pixel_mm.y());
+  }
   std::size_t pixels() const { return static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px); }
 };
 
 /// Quantity of L: radiance W/(m² sr), luminance cd/m², or a quantity on an unknown absolute scale.
 enum class Quantity { radiance, luminance, relative };
-std::string_view to_string(Quantity q);       ///< "radiance", "luminance", "relative"
-std::string_view unit_of(Quantity q);         ///< "W/(m^2 sr)", "cd/m^2", "relative"
+std::string_view to_string(Quantity q);           ///< "radiance", "luminance", "relative"
+std::string_view unit_of(Quantity q);             ///< "W/(m^2 sr)", "cd/m^2", "relative"
 std::string_view irradiance_unit_of(Quantity q);  ///< of E: "W/m^2", "lx", "relative"
 
 /// Everything about a luminaire but its cells.
@@ -79,16 +83,17 @@ struct LuminaireGeometry {
 
 /// How good one cell is. Shares are 0 … 1; NaN = not determined.
 struct Quality {
-  double saturated_share = 0;     ///< pixels of S without any unsaturated exposure
-  double starved_share = 0;       ///< pixels of S whose longest exposure lies within the read noise
-  double median_snr = 0;          ///< median over lit pixels of value/σ
-  double position_error_mm = 0;   ///< commanded against read-back stage position, worst pass
-  double drift = 0;               ///< relative change of the reference cell since the scan began
-  double dark_dn = 0;             ///< mean of the dark set subtracted, longest exposure, DN
+  double saturated_share = 0;         ///< pixels of S without any unsaturated exposure
+  double starved_share = 0;           ///< pixels of S whose longest exposure lies within the read noise
+  double median_snr = 0;              ///< median over lit pixels of value/σ
+  double position_error_mm = 0;       ///< commanded against read-back stage position, worst pass
+  double drift = 0;                   ///< relative change of the reference cell since the scan began
+  double dark_dn = 0;                 ///< mean of the dark set subtracted, longest exposure, DN
   std::vector<std::string> warnings;  ///< the plan's limits that this cell breaks, in words
 };
 
-/// C_m of one cell: planar float32, L-units per mm², channel by channel, j = 0 first. Moved, never shared while written.
+/// C_m of one cell: planar float32, L-units per mm², channel by channel, j = 0 first. Moved, never shared while
+/// written.
 struct CellImage {
   int width_px = 0, height_px = 0, channels = 0;
   std::vector<float> value;     ///< channels · height · width
@@ -98,8 +103,16 @@ struct CellImage {
   std::size_t plane() const { return static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px); }
   const float* channel(int c) const { return value.data() + static_cast<std::size_t>(c) * plane(); }
   float* channel(int c) { return value.data() + static_cast<std::size_t>(c) * plane(); }
-  float at(int c, int i, int j) const { return channel(c)[static_cast<std::size_t>(j) * static_cast<std::size_t>(width_px) + static_cast<std::size_t>(i)]; }
+  float at(int c, int i, int j) const {
+    return channel(c)[static_cast<std::size_t>(j) * static_cast<std::size_t>(width_px) + static_cast<std::size_t>(i)];
+  }
 };
+
+/// Refuses, naming channel and pixel: another size or number of channels than the luminaire's, NaN, Inf, a negative
+/// variance. `where` stands for the image in messages.
+Status check_image(const LuminaireGeometry& geometry, const CellImage& image, std::string_view where);
+/// Also refuses an index outside the grid.
+Status check_cell(const LuminaireGeometry& geometry, CellIndex cell, const CellImage& image);
 
 /// How much of the luminaire has been measured.
 struct Coverage {
@@ -117,8 +130,7 @@ class LightField {
 
   const LuminaireGeometry& geometry() const { return geometry_; }
 
-  /// Refuses (names cell, what and where) an index outside the grid, an image of another size or channel count, and any
-  /// NaN or Inf.
+  /// Errors: those of check_cell.
   Status add(CellIndex cell, CellImage image);
   Status add(CellIndex cell, std::shared_ptr<const CellImage> image);
 

@@ -17,9 +17,6 @@ constexpr std::size_t most_manifest_bytes = std::size_t{512} << 20;
 /// With its final newline.
 std::string to_journal_line(const CellEntry& entry);
 
-/// Names the first member in which `a` (on disk) is not `b`, in the manifest's words.
-std::optional<std::string> first_difference(const LuminaireGeometry& a, const LuminaireGeometry& b);
-
 /// The manifest's entries and the journal's, in order, none chosen yet.
 struct DatasetFolder {
   std::filesystem::path folder;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "luminaire/dataset.h"
 #include "renderer/methods/closed_form.h"
 #include "renderer/opengl/gbuffer.h"
 #include "renderer/scene/mesh.h"
@@ -27,28 +28,6 @@ Status check_placements(const std::vector<ScenePlacement>& placements) {
                   "give a rotation and a translation in mm, row by row");
   }
   return {};
-}
-
-Status check_image(const LuminaireGeometry& geometry, CellIndex cell, const CellImage* image) {
-  if (!geometry.sampling.contains(cell))
-    return fail("outside the luminaire's grid", "cell " + to_string(cell),
-                "use the luminaire that the cells belong to");
-  const Measurement& m = geometry.measurement;
-  if (image && image->width_px == m.width_px && image->height_px == m.height_px &&
-      image->channels == static_cast<int>(geometry.channels.size()) &&
-      image->value.size() == m.pixels() * geometry.channels.size())
-    return {};
-  return fail("the image is not of the luminaire's size and channels", "cell " + to_string(cell),
-              "use the luminaire that the cells belong to");
-}
-
-bool same(const LuminaireGeometry& a, const LuminaireGeometry& b) {
-  const Sampling &sa = a.sampling, &sb = b.sampling;
-  const Measurement &ma = a.measurement, &mb = b.measurement;
-  return a.planes == b.planes && a.channels == b.channels && a.quantity == b.quantity && sa.basis == sb.basis &&
-         sa.spacing_mm == sb.spacing_mm && sa.columns == sb.columns && sa.rows == sb.rows &&
-         sa.center_mm == sb.center_mm && ma.width_px == mb.width_px && ma.height_px == mb.height_px &&
-         ma.pixel_mm == mb.pixel_mm && ma.center_mm == mb.center_mm;
 }
 
 /// Positions and normals of a G-buffer as each placement's luminaire sees them, one placement after the other.
@@ -184,7 +163,8 @@ Status Renderer::set_view(const SceneCamera& camera, int width_px, int height_px
 
 Status Renderer::add_cell(CellIndex cell, std::shared_ptr<const CellImage> image) {
   if (const Status ready = impl_->need_luminaire(); !ready) return ready;
-  if (const Status fits = check_image(*impl_->geometry, cell, image.get()); !fits) return fits;
+  if (!image) return fail("comes without an image", "cell " + to_string(cell), "measure the cell again");
+  if (const Status fits = check_cell(*impl_->geometry, cell, *image); !fits) return fits;
   std::shared_ptr<const CellImage>& kept = impl_->cells[static_cast<std::size_t>(impl_->geometry->sampling.flat(cell))];
   const std::shared_ptr<const CellImage> before = std::exchange(kept, image);
   if (impl_->stale) return impl_->sum_again();
@@ -195,8 +175,8 @@ Status Renderer::add_cell(CellIndex cell, std::shared_ptr<const CellImage> image
 
 Status Renderer::add_all(const LightField& light_field) {
   if (const Status ready = impl_->need_luminaire(); !ready) return ready;
-  if (!same(light_field.geometry(), *impl_->geometry))
-    return fail("the cells are of another luminaire than the renderer's", "renderer", "set the luminaire first");
+  if (const auto difference = first_difference(light_field.geometry(), *impl_->geometry))
+    return fail("the cells are of another luminaire: its " + *difference, "renderer", "set the luminaire first");
   for (int k = 0; k < impl_->geometry->sampling.cells(); ++k)
     if (auto image = light_field.cell(impl_->geometry->sampling.index(k)))
       impl_->cells[static_cast<std::size_t>(k)] = std::move(image);

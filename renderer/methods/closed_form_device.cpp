@@ -42,7 +42,6 @@ struct ClosedFormDevice::Impl {
   std::size_t channels() const { return geometry.channels.size(); }
   std::size_t plane_floats() const { return static_cast<std::size_t>(shared.plane); }
   std::size_t cell_bytes() const { return channels() * plane_floats() * sizeof(float); }
-  Status check(CellIndex index, const CellImage& image) const;
   Status take_receivers(const std::vector<ClosedFormReceiver>& all);
   Status add(std::span<const BatchCell> all);
   Status upload(std::span<const BatchCell> batch);
@@ -132,17 +131,6 @@ Status ClosedFormDevice::set_receivers(std::span<const float> p_xyzw, std::span<
   return impl_->take_receivers(all);
 }
 
-Status ClosedFormDevice::Impl::check(CellIndex index, const CellImage& image) const {
-  const std::string where = "cell " + to_string(index);
-  if (!geometry.sampling.contains(index)) return fail("lies outside the grid of cells", where, "check row and column");
-  if (image.width_px != shared.width || image.height_px != shared.height ||
-      static_cast<std::size_t>(image.channels) != channels() || image.value.size() != image.plane() * channels())
-    return fail("its image has another size or number of channels than the luminaire", where, "measure it again");
-  if (!std::all_of(image.value.begin(), image.value.end(), [](float v) { return std::isfinite(v); }))
-    return fail("its image holds NaN or Inf", where, "measure it again");
-  return {};
-}
-
 /// Images with padded rows, and the table of cells.
 Status ClosedFormDevice::Impl::upload(std::span<const BatchCell> batch) {
   const std::size_t bytes = batch.size() * cell_bytes();
@@ -192,7 +180,7 @@ Status ClosedFormDevice::Impl::run(std::span<const BatchCell> batch) {
 
 Status ClosedFormDevice::Impl::add(std::span<const BatchCell> all) {
   for (const BatchCell& each : all)
-    if (auto good = check(each.index, *each.image); !good) return good;
+    if (auto good = check_cell(geometry, each.index, *each.image); !good) return good;
   last_kernel_s = 0;
   if (shared.receivers == 0) return {};
 

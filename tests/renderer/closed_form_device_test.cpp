@@ -175,7 +175,7 @@ TEST(ClosedFormDevice, RefusesWhatItCannotUse) {
   image.value[5] = std::numeric_limits<float>::infinity();
   const Status infinite = (*device)->add_cell({1, 2}, image);
   ASSERT_FALSE(infinite);
-  EXPECT_EQ(infinite.error().where, "cell (1, 2)");
+  EXPECT_EQ(infinite.error().where, "cell (1, 2): channel Y: pixel (5, 0)");
   image.value.pop_back();
   EXPECT_FALSE((*device)->add_cell({1, 2}, image));
 }

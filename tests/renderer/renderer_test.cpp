@@ -7,6 +7,7 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -217,7 +218,12 @@ TEST_F(RendererTest, RefusesWhatDoesNotFit) {
   EXPECT_FALSE(renderer->add_cell({0, 0}, nullptr));
   LuminaireGeometry other = geometry;
   other.sampling.spacing_mm.x() += 1;
-  EXPECT_THAT(renderer->add_all(light_field_of(other)).error().message(), HasSubstr("another luminaire"));
+  EXPECT_THAT(renderer->add_all(light_field_of(other)).error().message(),
+              HasSubstr("another luminaire: its sampling.spacing_mm.0 is"));
+  CellImage broken_image = *image_of(geometry, 1);
+  broken_image.value[1] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(renderer->add_cell({0, 0}, std::make_shared<const CellImage>(broken_image)).error().message(),
+              HasSubstr("cell (0, 0): channel Y: pixel (1, 0): holds NaN or Inf"));
   EXPECT_FALSE(renderer->set_luminaire(geometry_of({"Y", "Z"})));
 
   Scene broken = scene_;
