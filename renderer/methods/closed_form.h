@@ -37,15 +37,20 @@ class ClosedForm {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The same sum as an OpenCL kernel, with one running sum in double per receiver and channel: a new cell costs one cell,
-/// a retaken one two, closed(C_new) − closed(C_old), the second exactly what had been added. Needs a device with double
-/// precision. Thread-bound to its creator.
+/// The same sum as an OpenCL kernel, with one running sum in double per receiver and channel: a new cell costs one
+/// cell, a retaken one two, closed(C_new) − closed(C_old), the second exactly what had been added. Needs a device with
+/// double precision. Thread-bound to its creator.
 class ClosedFormDevice {
  public:
-  /// Chooses the OpenCL device (LUMIFIELD_OPENCL names another, by a part of its name). Probes OpenCL in a child process
-  /// first: a driver that aborts becomes an Error.
+  /// Chooses the OpenCL device (LUMIFIELD_OPENCL names another, by a part of its name). Probes OpenCL in a child
+  /// process first: a driver that aborts becomes an Error.
   static Result<std::unique_ptr<ClosedFormDevice>> create(const LuminaireGeometry& geometry);
   ~ClosedFormDevice();
+
+  /// Level of detail T: each receiver sums over means of 2^ℓ×2^ℓ pixels, so coarse that a support spans at most T
+  /// pixels an axis. 0, the default, is exact. Takes effect at the next set_receivers, which clears the sums; adding
+  /// and replacing cells then keeps to it. Errors: negative or not finite.
+  Status set_lod(double pixels_per_support);
 
   /// Replaces the receivers and clears the sums. A receiver with n = 0 gets 0 (background of a picture).
   /// For pictures: 4 floats each, interleaved, p in mm and n, luminaire frame.

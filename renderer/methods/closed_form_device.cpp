@@ -37,6 +37,7 @@ struct ClosedFormDevice::Impl {
   ClosedFormGeometry shared{};
   DeviceBuffer receivers, sums;
   DeviceBuffer cells, images;
+  double next_lod = 0;  ///< of the next receivers
   double last_kernel_s = 0;
 
   std::size_t channels() const { return geometry.channels.size(); }
@@ -95,6 +96,13 @@ Result<std::unique_ptr<ClosedFormDevice>> ClosedFormDevice::create(const Luminai
   if (!kernel) return tl::unexpected(kernel.error());
   impl->kernel = *kernel;
   return std::unique_ptr<ClosedFormDevice>(new ClosedFormDevice(std::move(impl)));
+}
+
+Status ClosedFormDevice::set_lod(double pixels_per_support) {
+  if (!std::isfinite(pixels_per_support) || pixels_per_support < 0)
+    return fail("is negative or not finite", "level of detail", "give the pixels per support, or 0 for all");
+  impl_->next_lod = pixels_per_support;
+  return {};
 }
 
 Status ClosedFormDevice::Impl::take_receivers(const std::vector<ClosedFormReceiver>& all) {

@@ -180,6 +180,18 @@ TEST(ClosedFormDevice, RefusesWhatItCannotUse) {
   EXPECT_FALSE((*device)->add_cell({1, 2}, image));
 }
 
+TEST(ClosedFormDevice, RefusesALevelOfDetailThatIsNone) {
+  auto device = ClosedFormDevice::create(random_luminaire(BasisKind::box, 1, 1).geometry());
+  if (!device) GTEST_SKIP() << device.error().message();
+  for (double lod :
+       {-1.0, -1e-300, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    const Status refused = (*device)->set_lod(lod);
+    ASSERT_FALSE(refused) << lod;
+    EXPECT_EQ(refused.error().where, "level of detail");
+  }
+  for (double lod : {0.0, 1e-300, 4.0, 1e300}) EXPECT_TRUE((*device)->set_lod(lod)) << lod;
+}
+
 TEST(ClosedFormDevice, WithoutReceiversThereIsNothingToDo) {
   const LightField field = random_luminaire(BasisKind::box, 1, 1);
   auto device = ClosedFormDevice::create(field.geometry());
