@@ -61,6 +61,11 @@ void TimeLeft::step_done(double spent_s) {
   spent_s_ = spent_s;
 }
 
+void TimeLeft::insert_step(double time_s) {
+  steps_s_.insert(steps_s_.begin() + static_cast<std::ptrdiff_t>(next_), time_s);
+  total_s_ += time_s;
+}
+
 double TimeLeft::pace() const {
   const double trust_s = 0.05 * total_s_;
   return predicted_s_ + trust_s > 0 ? (spent_s_ + trust_s) / (predicted_s_ + trust_s) : 1;

@@ -34,6 +34,8 @@ class TimeLeft {
 
   /// `spent_s`: since the first step began.
   void step_done(double spent_s);
+  /// A step that was not planned comes next.
+  void insert_step(double time_s);
   double left_s(double spent_s) const;
 
  private:

@@ -64,6 +64,10 @@ Vec2 stage_target_mm(const Bench& bench, const Vec2& u_mm) {
 
 Vec2 dark_target_mm(const Bench& bench) { return stage_target_mm(bench, Vec2(0, 0)) + bench.filter.dark_offset_mm; }
 
+CellStep make_cell_step(const Bench& bench, const Plan& plan, CellIndex cell, const Vec2& from_mm) {
+  return cell_step(bench, sampling_of(bench, plan), cell, from_mm, stage_speed(bench.stage));
+}
+
 Result<ScanPlan> make_scan_plan(const Bench& bench, const Plan& plan, const std::set<CellIndex>& done) {
   if (Status status = check_rules(bench, plan); !status) return tl::unexpected(status.error());
 

@@ -43,6 +43,9 @@ Vec2 stage_target_mm(const Bench& bench, const Vec2& u_mm);
 /// Stage reading that centres the opaque patch on the lamp, which is centred on u = 0. The stage is parked there too.
 Vec2 dark_target_mm(const Bench& bench);
 
+/// The step that takes one cell, its passes in the order that is nearer to `from_mm` (a stage reading).
+CellStep make_cell_step(const Bench& bench, const Plan& plan, CellIndex cell, const Vec2& from_mm);
+
 /// Refuses, with the number needed: a target outside the limits; filters or opaque patch closer than half the grid +
 /// half the lamp + half the dual window (another filter would stand before the lamp); a grid without some cell whose
 /// dual window touches the lamp; scales that are not the dual's within 1 %; a reference cell outside the grid;

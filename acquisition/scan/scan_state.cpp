@@ -16,6 +16,8 @@ std::string_view to_string(ScanState state) {
       return "exposing";
     case ScanState::delivering:
       return "delivering";
+    case ScanState::paused:
+      return "paused";
     case ScanState::parking:
       return "parking";
     case ScanState::done:
@@ -34,9 +36,9 @@ bool can_follow(ScanState from, ScanState to) {
   if (to == stopped || to == failed) return true;
   switch (from) {
     case idle:
-      return to == homing || to == moving || to == done;
+      return to == homing || to == moving || to == paused || to == done;
     case homing:
-      return to == moving;
+      return to == moving || to == paused;
     case moving:
       return to == settling || to == parking;
     case settling:
@@ -44,6 +46,8 @@ bool can_follow(ScanState from, ScanState to) {
     case exposing:
       return to == moving || to == delivering || to == parking;
     case delivering:
+      return to == moving || to == paused || to == parking;
+    case paused:
       return to == moving || to == parking;
     case parking:
       return to == done;

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <utility>
 
+#include "acquisition/scan/scan_rules.h"
 #include "acquisition/scan/wording.h"
 
 namespace lumifield {
@@ -33,6 +34,8 @@ class Stretch {
 
 }  // namespace
 
+void ScanSink::seen(const Bracket&, const std::string&, const Vec2&) {}
+
 Scanner::Scanner(Camera& camera, Stage& stage, const Bench& bench, const Plan& plan, BenchClock& clock)
     : camera_(camera), stage_(stage), bench_(bench), plan_(plan), clock_(clock) {}
 
@@ -60,10 +63,55 @@ Status Scanner::scan(const ScanPlan& steps) {
     if (Status status = home(); !status) return status;
   first_step_s_ = clock_.now_s();
   for (const ScanStep& step : steps.steps) {
+    if (Status status = between_steps(); !status) return status;
     if (Status status = std::visit([this](const auto& s) { return take(s); }, step); !status) return status;
     time_left_.step_done(clock_.now_s() - first_step_s_);
   }
+  if (Status status = between_steps(); !status) return status;
   return park();
+}
+
+/// What the operator asks for.
+Status Scanner::between_steps() {
+  if (!control_) return {};
+  if (control_->paused())
+    if (Status status = pause(); !status) return status;
+  // Until the first dark set there is nothing to subtract from a cell.
+  while (dark_) {
+    const std::optional<CellIndex> cell = control_->next_retake();
+    if (!cell) break;
+    if (Status status = retake(*cell); !status) return status;
+    if (control_->paused())
+      if (Status status = pause(); !status) return status;
+  }
+  return {};
+}
+
+Status Scanner::pause() {
+  enter(ScanState::paused);
+  {
+    Stretch paused(clock_, timing_.paused_s);
+    const double before_s = clock_.now_s();
+    control_->wait_while_paused(end_.get_token());
+    first_step_s_ += clock_.now_s() - before_s;
+  }
+  if (end_.stop_requested()) return stopped();
+  if (!dark_) return {};
+  return take(ReferenceStep{stage_target_mm(bench_, sampling_of(bench_, plan_).cell_center_mm(plan_.reference.cell)) +
+                                bench_.filter.passes.front().offset_mm,
+                            progress_.cells_done});
+}
+
+Status Scanner::retake(CellIndex cell) {
+  if (!sampling_of(bench_, plan_).contains(cell)) return {};
+  const CellStep step = make_cell_step(bench_, plan_, cell, stands_mm_);
+  const StageSpeed reported{stage_.info().rapid_mm_s, stage_.info().acceleration_mm_s2};
+  time_left_.insert_step(step_times_s({step}, bench_, plan_, stage_speed(bench_.stage, reported)).front() -
+                         plan_.warm_up_s);
+  ++progress_.cells_total;
+  if (Status status = take(step); !status) return status;
+  time_left_.step_done(clock_.now_s() - first_step_s_);
+  return {};
 }
 
 Status Scanner::take(const DarkStep& step) {
@@ -119,7 +167,9 @@ Result<Scanner::Standing> Scanner::bracket_at(const Vec2& target_mm, const std::
     const Result<Vec2> after = stage_.position();
     if (!after) return fail_in(place, after.error());
     moved_mm = (*after - *before).norm();
-    if (moved_mm <= bench_.tolerance_mm) return Standing{std::move(*bracket), *before, (*before - target_mm).norm()};
+    if (moved_mm > bench_.tolerance_mm) continue;
+    sink_->seen(*bracket, place, *before);
+    return Standing{std::move(*bracket), *before, (*before - target_mm).norm()};
   }
   return fail("the stage moved by " + say(moved_mm) + " mm during the exposures, twice; " + say(bench_.tolerance_mm) +
                   " mm are allowed",
@@ -144,7 +194,7 @@ Result<Vec2> Scanner::stand_at(const Vec2& target_mm, const std::string& place) 
     // Trust only the position read back.
     const Result<Vec2> position = stage_.position();
     if (!position) return fail_in(place, position.error());
-    reading = *position;
+    stands_mm_ = reading = *position;
     if ((reading - target_mm).norm() <= bench_.tolerance_mm) return reading;
   }
   return fail("the stage stands at " + say(reading) + " mm instead of " + say(target_mm) + " mm, " +
@@ -214,8 +264,8 @@ Status Scanner::end(Status status) {
     enter(ScanState::done);
   }
   timing_.total_s = clock_.now_s() - begin_s_;
-  timing_.other_s =
-      timing_.total_s - timing_.move_s - timing_.settle_s - timing_.exposure_s - timing_.readout_s - timing_.waiting_s;
+  timing_.other_s = timing_.total_s - timing_.move_s - timing_.settle_s - timing_.exposure_s - timing_.readout_s -
+                    timing_.waiting_s - timing_.paused_s;
   return status;
 }
 

@@ -8,6 +8,7 @@
 #include "acquisition/scan/bench_clock.h"
 #include "acquisition/scan/motion_time.h"
 #include "acquisition/scan/reference_drift.h"
+#include "acquisition/scan/scan_control.h"
 #include "acquisition/scan/scan_plan.h"
 #include "acquisition/scan/scan_state.h"
 #include "acquisition/stage.h"
@@ -29,8 +30,11 @@ struct ScanTiming {
   double readout_s = 0;   ///< the rest of each frame, up to bench.camera.readout_s
   double waiting_s = 0;   ///< in ScanSink::cell
   double other_s = 0;     ///< slower read-outs, frames taken again inside the camera, positions read back, progress
+  double paused_s = 0;    ///< on the operator's word: not idle
   double total_s = 0;
-  double idle_share() const { return total_s > 0 ? 1 - (move_s + settle_s + exposure_s + readout_s) / total_s : 0; }
+  double idle_share() const {
+    return total_s > 0 ? 1 - (move_s + settle_s + exposure_s + readout_s + paused_s) / total_s : 0;
+  }
 };
 
 /// Takes what the scanner makes, on the bench thread. `cell` may block when those behind it are busy: the time counts
@@ -41,6 +45,8 @@ class ScanSink {
   virtual void cell(RawCell raw) = 0;
   virtual void reference(const ReferenceReading& reading) = 0;
   virtual void progress(const ScanProgress& progress) = 0;  ///< at every change of state
+  /// Every complete bracket, for whoever watches: where it was taken, and the stage's reading.
+  virtual void seen(const Bracket& bracket, const std::string& place, const Vec2& stage_mm);
 };
 
 /// Runs a ScanPlan on a camera and a stage, through the states of scan_state.h.
@@ -58,6 +64,10 @@ class Scanner {
 
   /// Lets the drift refer to the first reading of an earlier scan of the same dataset. Before `run`.
   void refer_to(const ReferenceReading& first) { drift_ = ReferenceDrift(first); }
+
+  /// Lets the operator pause the scan and have cells taken again between two steps. After a pause the reference cell is
+  /// read before anything else. Before `run`; `control` outlives the scanner.
+  void obey(ScanControl& control) { control_ = &control; }
 
   /// Runs all steps. Legal once, in state idle; refused in any other state. `stop` is the operator's; `abandon` tells
   /// that nobody takes the cells any more: the scan ends as after a device error, parked.
@@ -81,6 +91,9 @@ class Scanner {
   Status take(const DarkStep& step);
   Status take(const ReferenceStep& step);
   Status take(const CellStep& step);
+  Status between_steps();
+  Status pause();
+  Status retake(CellIndex cell);
   Result<Standing> bracket_at(const Vec2& target_mm, const std::string& place);
   Result<Vec2> stand_at(const Vec2& target_mm, const std::string& place);
   Result<Bracket> expose_bracket(const Vec2& stage_mm, const std::string& place);
@@ -108,6 +121,8 @@ class Scanner {
   double begin_s_ = 0, first_step_s_ = 0, warm_up_left_s_ = 0;
   std::shared_ptr<const DarkSet> dark_;
   ReferenceDrift drift_;
+  ScanControl* control_ = nullptr;
+  Vec2 stands_mm_{0, 0};  ///< read back last
 };
 
 }  // namespace lumifield

@@ -24,6 +24,10 @@ class RecordingSink final : public ScanSink {
     reports.push_back(progress);
     if (on_progress) on_progress(progress);
   }
+  void seen(const Bracket& bracket, const std::string& place, const Vec2& stage_mm) override {
+    EXPECT_EQ(bracket.front().stage_mm, stage_mm);
+    places_seen.push_back(place);
+  }
   std::vector<ScanState> states() const {
     std::vector<ScanState> states;
     for (const ScanProgress& report : reports) states.push_back(report.state);
@@ -36,6 +40,7 @@ class RecordingSink final : public ScanSink {
   std::vector<RawCell> cells;
   std::vector<ReferenceReading> references;
   std::vector<ScanProgress> reports;
+  std::vector<std::string> places_seen;
 };
 
 /// Six cells, two passes, three exposures each; the lamp shines but behind the opaque patch.
