@@ -9,8 +9,8 @@ namespace lumifield {
 
 namespace {
 
-constexpr double kMaxSaturatedShare = 0.001;
-constexpr double kSameExposure = 1e-3;  // cameras round to their line time
+constexpr double most_saturated_share = 0.001;
+constexpr double same_exposure = 1e-3;  // cameras round to their line time
 
 double saturated_share(const RawImage& image, double saturation_dn) {
   const auto count = std::count_if(image.dn.begin(), image.dn.end(), [&](auto dn) { return dn >= saturation_dn; });
@@ -46,7 +46,7 @@ Result<ReferenceReading> ReferenceDrift::read(const Bracket& lit, const Bracket&
 
   // Take the exposure that the earlier scan chose.
   for (std::size_t e = 0; !exposure_ && earlier_exposure_s_ && e < lit.size(); ++e)
-    if (std::abs(lit[e].exposure_s / *earlier_exposure_s_ - 1) < kSameExposure) exposure_ = e;
+    if (std::abs(lit[e].exposure_s / *earlier_exposure_s_ - 1) < same_exposure) exposure_ = e;
   if (!exposure_ && earlier_exposure_s_)
     return fail("no exposure of " + say(*earlier_exposure_s_) + " s, at which the dataset's first reading was taken",
                 "reference cell", "resume with the exposures it was begun with");
@@ -54,11 +54,11 @@ Result<ReferenceReading> ReferenceDrift::read(const Bracket& lit, const Bracket&
   // Choose the longest exposure that does not saturate, once.
   const bool first = !exposure_;
   for (std::size_t e = 0; first && e < lit.size(); ++e)
-    if (saturated_share(lit[e], saturation_dn) < kMaxSaturatedShare) exposure_ = e;
+    if (saturated_share(lit[e], saturation_dn) < most_saturated_share) exposure_ = e;
   if (!exposure_)
     return fail("every exposure saturates: " + say(100 * saturated_share(lit[0], saturation_dn)) +
-                    " % of the pixels at " + say(lit[0].exposure_s) + " s, less than " + say(100 * kMaxSaturatedShare) +
-                    " % are needed",
+                    " % of the pixels at " + say(lit[0].exposure_s) + " s, less than " +
+                    say(100 * most_saturated_share) + " % are needed",
                 "reference cell", "add a shorter exposure to the plan or name a darker reference cell");
 
   // Compare with the first visit.

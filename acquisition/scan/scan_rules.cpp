@@ -12,19 +12,19 @@ namespace lumifield {
 
 namespace {
 
-constexpr std::int64_t kMaxCells = 100'000;
-constexpr double kMaxExposure_s = 10;
-constexpr int kMaxWindow = 64;
-constexpr double kScaleTolerance = 0.01;
-constexpr double kRounding = 1e-9;  // of positions and their ratios, never of a measured length
+constexpr std::int64_t most_cells = 100'000;
+constexpr double longest_exposure_s = 10;
+constexpr int widest_window = 64;
+constexpr double scale_tolerance = 0.01;
+constexpr double rounding = 1e-9;  // of positions and their ratios, never of a measured length
 
 const char* axis_name(int axis) { return axis == 0 ? "x" : "y"; }
 
 Status check_grid(const Plan& plan) {
   if (plan.columns < 1 || plan.rows < 1) return fail("the grid has no cells", "plan: columns, rows", "give at least 1");
   const std::int64_t cells = std::int64_t{plan.columns} * plan.rows;
-  if (cells > kMaxCells)
-    return fail("the grid has " + std::to_string(cells) + " cells; a scan takes at most " + std::to_string(kMaxCells),
+  if (cells > most_cells)
+    return fail("the grid has " + std::to_string(cells) + " cells; a scan takes at most " + std::to_string(most_cells),
                 "plan: columns, rows", "scan fewer cells");
   if (!plan.center_mm.allFinite()) return fail("not a finite position", "plan: center_mm", "give two numbers in mm");
   const CellIndex reference = plan.reference.cell;
@@ -42,8 +42,8 @@ Status check_times(const Plan& plan) {
   if (plan.exposures_s.empty()) return fail("no exposure time is given", "plan: exposures_s", "give at least one");
   double last = 0;
   for (double exposure_s : plan.exposures_s) {
-    if (!(exposure_s > 0 && exposure_s <= kMaxExposure_s))
-      return fail("an exposure of " + say(exposure_s) + " s lies outside 0 < t ≤ " + say(kMaxExposure_s) + " s",
+    if (!(exposure_s > 0 && exposure_s <= longest_exposure_s))
+      return fail("an exposure of " + say(exposure_s) + " s lies outside 0 < t ≤ " + say(longest_exposure_s) + " s",
                   "plan: exposures_s", "give exposure times in seconds");
     if (exposure_s <= last)
       return fail(say(exposure_s) + " s comes after " + say(last) + " s", "plan: exposures_s",
@@ -58,7 +58,7 @@ Status check_times(const Plan& plan) {
 
 Status check_bench_numbers(const Bench& bench) {
   const Eigen::Matrix2d& linear = bench.stage_to_luminaire.linear;
-  if (!(std::abs(linear.determinant()) > kRounding * linear.squaredNorm()) ||
+  if (!(std::abs(linear.determinant()) > rounding * linear.squaredNorm()) ||
       !bench.stage_to_luminaire.origin_mm.allFinite())
     return fail("the matrix has no inverse: stage positions cannot be computed", "bench: stage_to_luminaire",
                 "give the two columns that moving the stage by 1 mm in x and in y makes on plane U");
@@ -73,12 +73,13 @@ Status check_bench_numbers(const Bench& bench) {
 
 Status check_scales(const FilterSlide& filter) {
   const int support = Basis(filter.basis).overlap();
-  if (filter.window < support || filter.window > kMaxWindow)
+  if (filter.window < support || filter.window > widest_window)
     return fail("a dual window of " + std::to_string(filter.window) + " spacings; " + std::to_string(support) + " … " +
-                    std::to_string(kMaxWindow) + " are possible with the basis " + std::string(to_string(filter.basis)),
+                    std::to_string(widest_window) + " are possible with the basis " +
+                    std::string(to_string(filter.basis)),
                 "bench: filter.window", "give the window that the slide was printed with");
   const Dual dual(filter.basis, filter.window);
-  bool positive = false, negative = dual.k_negative() < kRounding;
+  bool positive = false, negative = dual.k_negative() < rounding;
   for (std::size_t p = 0; p < filter.passes.size(); ++p) {
     const FilterPass& pass = filter.passes[p];
     const std::string where = "bench: filter.passes[" + std::to_string(p) + "]";
@@ -87,7 +88,7 @@ Status check_scales(const FilterSlide& filter) {
       return fail("a filter of this sign is there already or not needed", where, "name one pass per sign of the dual");
     present = true;
     const double k = pass.scale > 0 ? dual.k_positive() : -dual.k_negative();
-    if (!(std::abs(pass.scale - k) <= kScaleTolerance * std::abs(k)))
+    if (!(std::abs(pass.scale - k) <= scale_tolerance * std::abs(k)))
       return fail("the scale " + say(pass.scale) + " is not the dual filter's " + say(k) + " within 1 %",
                   where + ".scale", "correct scale, basis or window to what the slide was printed with");
   }
@@ -120,7 +121,7 @@ Status check_separation(const Bench& bench, const Plan& plan, const std::string&
   // Far enough along one axis is enough: only one of two places is then within reach of the lamp.
   int axis = 0;
   const double spare = (apart - needed).maxCoeff(&axis);
-  if (spare >= -kRounding) return {};
+  if (spare >= -rounding) return {};
   return fail(name_i + " and " + name_j + " stand " + say(apart[axis]) + " mm apart along " + axis_name(axis) + "; " +
                   say(needed[axis]) + " mm are needed (half the grid " + say(half_grid[axis]) + " + half the lamp " +
                   say(half_lamp[axis]) + " + half the dual window " + say(half_window[axis]) +
@@ -137,7 +138,7 @@ Sampling sampling_of(const Bench& bench, const Plan& plan) {
 GridSize needed_grid(const Bench& bench, const Plan& plan) {
   const Vec2 a = bench.filter.spacing_mm;
   const Vec2 reach = bench.lamp_size_mm + bench.filter.window * a + 2 * plan.center_mm.cwiseAbs();
-  const auto count = [&](int axis) { return std::max(1.0, std::ceil(reach[axis] / a[axis] - kRounding) - 1); };
+  const auto count = [&](int axis) { return std::max(1.0, std::ceil(reach[axis] / a[axis] - rounding) - 1); };
   return {count(0), count(1)};
 }
 
@@ -182,11 +183,11 @@ Status check_limits(const Bench& bench, const std::vector<ScanStep>& steps) {
   for (int axis : {0, 1}) {
     const double low = box.min()[axis], high = box.max()[axis];
     const double below = bench.limits.low_mm[axis] - low, above = high - bench.limits.high_mm[axis];
-    if (below <= kRounding && above <= kRounding) continue;
+    if (below <= rounding && above <= rounding) continue;
     if (!beyond.empty()) beyond += ", ";
     beyond += std::string("stage ") + axis_name(axis) + " from " + say(low) + " to " + say(high) + " mm";
-    if (below > kRounding) beyond += ", " + say(below) + " mm below the low limit";
-    if (above > kRounding) beyond += ", " + say(above) + " mm above the high limit";
+    if (below > rounding) beyond += ", " + say(below) + " mm below the low limit";
+    if (above > rounding) beyond += ", " + say(above) + " mm above the high limit";
   }
   if (beyond.empty()) return {};
   return fail("the scan needs " + beyond, "bench: limits_mm",

@@ -11,7 +11,7 @@ namespace lumifield {
 
 namespace {
 
-constexpr int kAttempts = 2;
+constexpr int attempts = 2;
 
 tl::unexpected<Error> stopped() {
   return tl::unexpected<Error>(
@@ -159,7 +159,7 @@ Status Scanner::take(const CellStep& step) {
 
 Result<Scanner::Standing> Scanner::bracket_at(const Vec2& target_mm, const std::string& place) {
   double moved_mm = 0;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  for (int attempt = 0; attempt < attempts; ++attempt) {
     const Result<Vec2> before = stand_at(target_mm, place);
     if (!before) return tl::unexpected(before.error());
     Result<Bracket> bracket = expose_bracket(*before, place);
@@ -178,7 +178,7 @@ Result<Scanner::Standing> Scanner::bracket_at(const Vec2& target_mm, const std::
 
 Result<Vec2> Scanner::stand_at(const Vec2& target_mm, const std::string& place) {
   Vec2 reading(0, 0);
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  for (int attempt = 0; attempt < attempts; ++attempt) {
     // Move and let the vibration die away.
     enter(ScanState::moving);
     if (end_.stop_requested()) return stopped();
