@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "acquisition/camera.h"
 
@@ -20,8 +19,5 @@ namespace lumifield {
 /// or that another program took over. A camera that is gone stays so: destroy it and open it again. Destroying it may
 /// take 7 s.
 Result<std::unique_ptr<Camera>> open_aravis_camera(const CameraSettings& settings);
-
-/// All cameras that answer a discovery, 1 s and 0.5 s for each that is out of reach.
-std::vector<DeviceReport> find_aravis_cameras();
 
 }  // namespace lumifield

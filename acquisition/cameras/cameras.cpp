@@ -1,5 +1,6 @@
 #include "acquisition/camera.h"
 #include "acquisition/cameras/aravis_camera.h"
+#include "acquisition/cameras/aravis_discovery.h"
 
 namespace lumifield {
 namespace {

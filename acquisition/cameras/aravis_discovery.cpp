@@ -1,0 +1,73 @@
+#include "acquisition/cameras/aravis_discovery.h"
+
+#include <arv.h>
+#include <chrono>
+#include <thread>
+
+#include "acquisition/cameras/aravis_settings.h"
+#include "acquisition/cameras/gvcp_probe.h"
+
+namespace lumifield {
+namespace {
+
+tl::unexpected<Error> not_there(const std::string& address, GvcpPresence presence) {
+  return fail(presence == GvcpPresence::refused ? "the host answers, but no camera on it" : "no camera answers",
+              "camera " + address, "check cable, power and address; `lumifield devices` lists what answers");
+}
+
+DeviceReport report_of(guint i) {
+  DeviceReport report;
+  report.role = "camera";
+  report.name = text_or_empty(arv_get_device_vendor(i)) + " " + text_or_empty(arv_get_device_model(i)) + " " +
+                text_or_empty(arv_get_device_serial_nbr(i));
+  report.address = text_or_empty(arv_get_device_address(i));
+  const GvcpAnswer answer = probe_gvcp(report.address);
+  if (text_or_empty(arv_get_device_protocol(i)) != "GigEVision") {
+    report.reason = "it does not speak GigE Vision";
+    report.remedy = "use a GigE Vision camera";
+  } else if (answer.presence != GvcpPresence::present) {
+    report.reason = "it answers the discovery, but cannot be reached";
+    report.remedy = "give it an address in the subnet of this computer's network card";
+  } else if (answer.controlled) {
+    report.reason = "held by another program";
+    report.remedy = "close the other program";
+  } else {
+    report.usable = true;
+  }
+  return report;
+}
+
+}  // namespace
+
+std::vector<DeviceReport> find_aravis_cameras() {
+  arv_update_device_list();
+  std::vector<DeviceReport> reports;
+  for (guint i = 0; i < arv_get_n_devices(); ++i) reports.push_back(report_of(i));
+  return reports;
+}
+
+Result<std::string> aravis_address(const std::string& name) {
+  if (is_ipv4_address(name)) return name;
+  arv_update_device_list();
+  for (guint i = 0; i < arv_get_n_devices(); ++i)
+    if (name == text_or_empty(arv_get_device_id(i)) || name == text_or_empty(arv_get_device_serial_nbr(i)))
+      if (const std::string ip = text_or_empty(arv_get_device_address(i)); is_ipv4_address(ip)) return ip;
+  return not_there(name, GvcpPresence::silent);
+}
+
+Status await_free(const std::string& ip, const std::string& name) {
+  GvcpAnswer answer = probe_gvcp(ip);
+  if (answer.presence != GvcpPresence::present) return not_there(name, answer.presence);
+  if (!answer.controlled) return {};
+  std::this_thread::sleep_for(gvcp_heartbeat_timeout(ip) + std::chrono::milliseconds(300));
+  answer = probe_gvcp(ip);
+  if (answer.presence != GvcpPresence::present) return not_there(name, answer.presence);
+  if (answer.controlled) return held_by_another(name);
+  return {};
+}
+
+tl::unexpected<Error> held_by_another(const std::string& name) {
+  return fail("held by another program", "camera " + name, "close the other program");
+}
+
+}  // namespace lumifield
