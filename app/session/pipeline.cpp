@@ -6,6 +6,7 @@
 
 #include "acquisition/camera.h"
 #include "acquisition/stage.h"
+#include "app/session/device_names.h"
 #include "app/session/guarded.h"
 
 namespace lumifield {
@@ -19,7 +20,8 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 /// Hands what the scanner makes to the queues.
 class QueueSink : public ScanSink {
  public:
-  QueueSink(Pipeline& pipeline, BenchOutcome& outcome) : pipeline_(pipeline), outcome_(outcome) {}
+  QueueSink(Pipeline& pipeline, BenchOutcome& outcome, BenchView* view)
+      : pipeline_(pipeline), outcome_(outcome), view_(view) {}
 
   void cell(RawCell raw) override { pipeline_.raw.push(std::move(raw)); }
   void reference(const ReferenceReading& reading) override {
@@ -27,28 +29,47 @@ class QueueSink : public ScanSink {
     pipeline_.events.push(reading);
   }
   void progress(const ScanProgress& progress) override { pipeline_.events.try_push(progress); }
+  void seen(const Bracket& bracket, const std::string& place, const Vec2& stage_mm) override {
+    if (!view_) return;
+    view_->set_stage_mm(stage_mm);
+    view_->set_bracket(std::make_shared<const Bracket>(bracket), place);
+  }
 
  private:
   Pipeline& pipeline_;
   BenchOutcome& outcome_;
+  BenchView* view_;
 };
 
-std::string name_of(const CameraInfo& info) {
-  return info.vendor + " " + info.model + " " + info.serial + " at " + info.address;
+/// Opens a device and shows how that went.
+template <class Open, class Show>
+auto open_shown(Open open, Show show) {
+  show({DeviceView::Link::opening, "", ""});
+  auto device = open();
+  if (device)
+    show({DeviceView::Link::open, name_of((*device)->info()), ""});
+  else
+    show({DeviceView::Link::failed, "", device.error().message()});
+  return device;
 }
 
-Status scan(const Bench& bench, const Plan& plan, const ScanPlan& steps, const std::optional<ReferenceReading>& first,
+Status scan(const ScanRequest& request, const ScanPlan& steps, const std::optional<ReferenceReading>& first,
             Pipeline& pipeline, BenchOutcome& outcome) {
-  auto camera = open_camera(bench.camera);
+  BenchView unseen;
+  BenchView& view = request.bench_view ? *request.bench_view : unseen;
+  auto camera = open_shown([&] { return open_camera(request.bench.camera); },
+                           [&](DeviceView now) { view.set_camera(std::move(now)); });
   if (!camera) return tl::unexpected(camera.error());
-  auto stage = open_stage(bench.stage);
+  auto stage = open_shown([&] { return open_stage(request.bench.stage); },
+                          [&](DeviceView now) { view.set_stage(std::move(now)); });
   if (!stage) return tl::unexpected(stage.error());
   outcome.camera = name_of((*camera)->info());
-  outcome.stage = (*stage)->info().firmware + " at " + (*stage)->info().path;
+  outcome.stage = name_of((*stage)->info());
 
-  Scanner scanner(**camera, **stage, bench, plan);
+  Scanner scanner(**camera, **stage, request.bench, request.plan);
   if (first) scanner.refer_to(*first);
-  QueueSink sink(pipeline, outcome);
+  scanner.obey(pipeline.control);
+  QueueSink sink(pipeline, outcome, request.bench_view.get());
   Status status = scanner.run(steps, sink, pipeline.stop_token(), pipeline.abandon_token());
   outcome.timing = scanner.timing();
   outcome.frames_retaken = (*camera)->frames_retaken();
@@ -86,9 +107,10 @@ Status store(DatasetWriter& writer, const std::vector<std::string>& notes, Pipel
     Result<CellEntry> entry = writer.add(cell->cell, cell->image, cell->stage_mm);
     store_s.push_back(seconds_since(start));
     if (!entry) return tl::unexpected(entry.error());
-    pipeline.events.push(CellStored{*entry});
     cell->image.variance = std::vector<float>();
-    if (!pipeline.stored.push({*entry, std::make_shared<const CellImage>(std::move(cell->image))})) break;
+    const auto image = std::make_shared<const CellImage>(std::move(cell->image));
+    pipeline.events.push(CellStored{*entry, image});
+    if (!pipeline.stored.push({*entry, image})) break;
   }
   return {};
 }
@@ -141,9 +163,13 @@ std::optional<Error> Pipeline::error() const {
   return error_;
 }
 
-void run_bench(const Bench& bench, const Plan& plan, const ScanPlan& steps,
-               const std::optional<ReferenceReading>& first, Pipeline& pipeline, BenchOutcome& outcome) {
-  Status status = guarded("bench", [&] { return scan(bench, plan, steps, first, pipeline, outcome); });
+void run_bench(const ScanRequest& request, const ScanPlan& steps, const std::optional<ReferenceReading>& first,
+               Pipeline& pipeline, BenchOutcome& outcome) {
+  Status status = guarded("bench", [&] { return scan(request, steps, first, pipeline, outcome); });
+  if (request.bench_view) {
+    request.bench_view->set_camera({});
+    request.bench_view->set_stage({});
+  }
   if (!status) pipeline.fail(std::move(status).error());
   pipeline.raw.close();
 }

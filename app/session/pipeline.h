@@ -37,6 +37,7 @@ class Pipeline {
   BoundedQueue<DevelopedCell> developed{4};
   BoundedQueue<StoredCell> stored{4};
   BoundedQueue<SessionEvent> events{256};
+  ScanControl control;
 
   /// Keeps the first error and has the bench end and park. A later fault becomes a notice.
   void fail(Error error);
@@ -62,8 +63,8 @@ struct BenchOutcome {
 
 /// Opens camera and stage, runs the scan, and lets go of them. `first` is the reading that the drift refers to; absent,
 /// the scan's own first.
-void run_bench(const Bench& bench, const Plan& plan, const ScanPlan& steps,
-               const std::optional<ReferenceReading>& first, Pipeline& pipeline, BenchOutcome& outcome);
+void run_bench(const ScanRequest& request, const ScanPlan& steps, const std::optional<ReferenceReading>& first,
+               Pipeline& pipeline, BenchOutcome& outcome);
 
 void run_develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings);
 

@@ -73,6 +73,7 @@ Status ScanSession::Impl::open_dataset() {
   if (code) return fail("could not be looked at: " + code.message(), request.out.string(), "check its permissions");
   if (Status opened = created ? create_dataset() : resume_dataset(); !opened) return opened;
   for (const CellEntry& entry : writer->manifest().cells) done.insert(entry.cell);
+  for (const CellIndex cell : request.retake) done.erase(cell);
   Result<ScanPlan> left = make_scan_plan(request.bench, request.plan, done);
   if (!left) return tl::unexpected(left.error());
   steps = std::move(*left);
@@ -154,7 +155,7 @@ void ScanSession::Impl::run() {
   develop_thread =
       std::thread([this] { run_develop(developer, pipeline, summary.times.develop_s, summary.cells_with_warnings); });
   bench_thread = std::thread([this] {
-    run_bench(request.bench, request.plan, steps, first, pipeline, bench);
+    run_bench(request, steps, first, pipeline, bench);
     // The stages behind end one after the other once their input has.
     develop_thread.join();
     store_thread.join();
@@ -181,7 +182,7 @@ Status ScanSession::Impl::discard_dataset() {
 
 Status ScanSession::Impl::close_dataset() {
   if (!writer || store_failed) return discard_dataset();
-  if (writer->manifest().cells.size() > done.size()) {
+  if (!summary.times.store_s.empty()) {
     // The cells are worth more than the record of their making.
     const auto record = guarded("provenance", [&]() -> Result<std::string> {
       return provenance_json(earlier, request, started_utc, &summary);
@@ -222,9 +223,17 @@ Result<std::unique_ptr<ScanSession>> ScanSession::start(ScanRequest request) {
   });
 }
 
+const LuminaireGeometry& ScanSession::geometry() const { return impl_->developer.geometry(); }
+
 std::optional<SessionEvent> ScanSession::next_event() { return impl_->pipeline.events.pop(); }
 
 void ScanSession::stop() { impl_->pipeline.request_stop(); }
+
+void ScanSession::pause() { impl_->pipeline.control.pause(); }
+
+void ScanSession::resume() { impl_->pipeline.control.resume(); }
+
+void ScanSession::retake(std::span<const CellIndex> cells) { impl_->pipeline.control.retake(cells); }
 
 Result<ScanSummary> ScanSession::wait() {
   impl_->bench_thread.join();

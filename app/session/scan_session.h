@@ -3,12 +3,14 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "acquisition/scan/scanner.h"
+#include "app/session/bench_view.h"
 #include "app/session/bounded_queue.h"
 #include "luminaire/bench.h"
 #include "luminaire/dataset.h"
@@ -24,10 +26,12 @@ struct ScanRequest {
   Plan plan;
   std::filesystem::path out;  ///< NAME.lumi
   bool resume = false;
-  std::string name;  ///< of the luminaire; empty = the folder's stem
+  std::vector<CellIndex> retake;  ///< with `resume`: cells to take again beside those that are missing
+  std::string name;               ///< of the luminaire; empty = the folder's stem
   std::optional<Scene> preview;
   int preview_width_px = 1024, preview_height_px = 768;
-  std::vector<double> picture_shares;  ///< a picture is made when this share of the cells is in, 0 … 1
+  std::vector<double> picture_shares;     ///< a picture is made when this share of the cells is in, 0 … 1
+  std::shared_ptr<BenchView> bench_view;  ///< told what the bench sees, when given
 };
 
 /// Where the session's own time went, seconds, one figure per cell.
@@ -49,6 +53,7 @@ struct ScanSummary {
 
 struct CellStored {
   CellEntry entry;
+  std::shared_ptr<const CellImage> image;  ///< without its variance
 };
 struct PictureMade {
   double share = 0;
@@ -75,10 +80,16 @@ class ScanSession {
   /// Stops the scan and joins.
   ~ScanSession();
 
+  const LuminaireGeometry& geometry() const;
   /// The next event; empty when the session has ended.
   std::optional<SessionEvent> next_event();
-  /// Halts the stage and ends; what is stored stays.
+  /// Halts the stage and ends, in a pause too; what is stored stays.
   void stop();
+  /// After the cell at hand, until `resume`.
+  void pause();
+  void resume();
+  /// Takes these cells again, next. Their earlier generation counts until the new one is stored.
+  void retake(std::span<const CellIndex> cells);
   /// Joins all threads. The Error of the first stage that failed, if one did; its `kind` is `stopped` when the operator
   /// ended the scan.
   Result<ScanSummary> wait();

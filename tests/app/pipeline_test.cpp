@@ -64,7 +64,12 @@ TEST_F(PipelineTest, KeepsTheFirstErrorAndTellsLaterFaults) {
 TEST_F(PipelineTest, ABenchWithoutCameraEndsTheLine) {
   bench_.camera.kind = "none";
   BenchOutcome outcome;
-  run_bench(bench_, plan_, {}, std::nullopt, pipeline_, outcome);
+  ScanRequest request;
+  request.bench = bench_;
+  request.plan = plan_;
+  request.bench_view = std::make_shared<BenchView>();
+  run_bench(request, {}, std::nullopt, pipeline_, outcome);
+  EXPECT_EQ(request.bench_view->snapshot().camera.link, DeviceView::Link::closed);
   ASSERT_TRUE(pipeline_.error());
   EXPECT_EQ(pipeline_.error()->where, "camera.kind");
   EXPECT_FALSE(pipeline_.raw.push({}));

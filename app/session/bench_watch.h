@@ -1,0 +1,32 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "app/session/bench_view.h"
+#include "luminaire/bench.h"
+
+namespace lumifield {
+
+/// Watches the bench while nothing is scanned, in a thread of its own: opens camera and stage, takes a picture five
+/// times a second, reads the stage's position back, and leaves all of it in a BenchView. Moves nothing. A device that
+/// fails is shown as failed and tried again every two seconds. The devices are free once it is destroyed.
+class BenchWatch {
+ public:
+  BenchWatch(Bench bench, double exposure_s, std::shared_ptr<BenchView> view);
+  /// Joins: up to an exposure, and some seconds when the camera's link is lost.
+  ~BenchWatch();
+
+  void set_exposure(double exposure_s) { exposure_s_ = exposure_s; }
+
+ private:
+  void run(std::stop_token stop);
+
+  const Bench bench_;
+  std::atomic<double> exposure_s_;
+  const std::shared_ptr<BenchView> view_;
+  std::jthread thread_;
+};
+
+}  // namespace lumifield

@@ -1,0 +1,157 @@
+#include "app/views/scan_controller.h"
+
+#include <utility>
+
+namespace lumifield {
+
+namespace {
+
+QString text(const std::string& utf8) { return QString::fromStdString(utf8); }
+
+/// Calls a member of the session when there is one.
+template <class Call>
+void with(std::mutex& mutex, const std::unique_ptr<ScanSession>& session, Call call) {
+  std::lock_guard lock(mutex);
+  if (session) call(*session);
+}
+
+}  // namespace
+
+ScanController::ScanController(QObject* parent) : QObject(parent) {
+  qRegisterMetaType<ScanProgress>();
+  qRegisterMetaType<OperatorNotice>();
+}
+
+ScanController::~ScanController() {
+  watch_.reset();
+  stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void ScanController::set_state(State state) {
+  if (state_ == state) return;
+  state_ = state;
+  emit stateChanged(state);
+}
+
+void ScanController::watch(const std::optional<Bench>& bench, double exposure_s) {
+  watched_ = bench;
+  watch_exposure_s_ = exposure_s;
+  if (!busy()) rest();
+}
+
+/// Watches the bench until the next scan. A watch that ends may wait for its camera: not on this thread.
+void ScanController::rest() {
+  if (watch_)
+    letting_go_ = std::jthread(
+        [old = std::move(watch_), before = std::move(letting_go_)]() mutable { old.reset(); });
+  if (watched_) watch_ = std::make_unique<BenchWatch>(*watched_, watch_exposure_s_, bench_view_);
+}
+
+void ScanController::start(const ScanRequest& request) {
+  if (busy()) return;
+  set_state(State::starting);
+  stop_early_ = false;
+  progress_ = {};
+  if (thread_.joinable()) thread_.join();  // it has ended
+  ScanRequest mine = request;
+  mine.bench_view = bench_view_;
+  thread_ =
+      std::jthread([this, mine = std::move(mine), old = std::shared_ptr<BenchWatch>(std::move(watch_))]() mutable {
+        old.reset();  // the devices are free
+        run(std::move(mine));
+      });
+}
+
+/// On the session's thread.
+void ScanController::run(ScanRequest request) {
+  const QString dataset = text(request.out.string());
+  auto started = ScanSession::start(std::move(request));
+  if (!started) {
+    QMetaObject::invokeMethod(this, [this, error = started.error()] { finish(tl::unexpected(error)); });
+    return;
+  }
+  ScanSession& session = **started;
+  {
+    std::lock_guard lock(mutex_);
+    session_ = std::move(*started);
+    if (stop_early_) session.stop();
+  }
+  QMetaObject::invokeMethod(this, [this, geometry = session.geometry(), dataset] {
+    if (state_ == State::starting) set_state(State::running);
+    emit this->started(geometry, dataset);
+  });
+  while (auto event = session.next_event()) {
+    if (const auto* cell = std::get_if<CellStored>(&*event)) emit cellReady(cell->entry.cell, cell->image);
+    QMetaObject::invokeMethod(this, [this, event = std::move(*event)] { take(event); });
+  }
+  auto summary = session.wait();
+  {
+    std::lock_guard lock(mutex_);
+    session_.reset();
+  }
+  QMetaObject::invokeMethod(this, [this, summary = std::move(summary)] { finish(summary); });
+}
+
+void ScanController::take(const SessionEvent& event) {
+  if (const auto* progress = std::get_if<ScanProgress>(&event)) {
+    progress_ = *progress;
+    if (progress->state == ScanState::paused && state_ == State::pausing) set_state(State::paused);
+    emit progressed(*progress);
+  } else if (const auto* cell = std::get_if<CellStored>(&event)) {
+    emit cellStored(cell->entry, cell->image);
+  } else if (const auto* reading = std::get_if<ReferenceReading>(&event)) {
+    emit referenceRead(*reading);
+  } else if (const auto* notice = std::get_if<Notice>(&event)) {
+    emit noticed({OperatorNotice::Level::warning, text(notice->text)});
+  }
+}
+
+void ScanController::finish(const Result<ScanSummary>& summary) {
+  if (thread_.joinable()) thread_.join();  // it has nothing left to do
+  set_state(State::idle);
+  rest();
+  if (!summary) {
+    const bool stopped = summary.error().kind == ErrorKind::stopped;
+    const QString message =
+        stopped ? tr("Stopped. What is stored stays; Resume goes on where it ended.") : text(summary.error().message());
+    emit noticed({stopped ? OperatorNotice::Level::information : OperatorNotice::Level::fault, message});
+    emit ended(false, message);
+    return;
+  }
+  const Coverage& coverage = summary->coverage;
+  const QString message = tr("Scan ended: %1 of %2 cells measured in %3 min, bench idle %4 %, %5 cells with warnings.")
+                              .arg(coverage.measured)
+                              .arg(coverage.total)
+                              .arg(summary->timing.total_s / 60, 0, 'f', 1)
+                              .arg(100 * summary->timing.idle_share(), 0, 'f', 1)
+                              .arg(summary->cells_with_warnings);
+  emit noticed({OperatorNotice::Level::information, message});
+  emit ended(coverage.complete(), message);
+}
+
+void ScanController::pause() {
+  if (state_ != State::running) return;
+  set_state(State::pausing);
+  with(mutex_, session_, [](ScanSession& session) { session.pause(); });
+}
+
+void ScanController::resume() {
+  if (state_ != State::pausing && state_ != State::paused) return;
+  set_state(State::running);
+  with(mutex_, session_, [](ScanSession& session) { session.resume(); });
+}
+
+void ScanController::stop() {
+  if (!busy()) return;
+  set_state(State::stopping);
+  std::lock_guard lock(mutex_);
+  stop_early_ = true;
+  if (session_) session_->stop();
+}
+
+void ScanController::retake(const std::vector<CellIndex>& cells) {
+  with(mutex_, session_, [&](ScanSession& session) { session.retake(cells); });
+}
+
+}  // namespace lumifield

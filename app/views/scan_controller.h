@@ -1,0 +1,85 @@
+#pragma once
+
+#include <QObject>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "app/session/bench_view.h"
+#include "app/session/bench_watch.h"
+#include "app/session/scan_session.h"
+
+namespace lumifield {
+
+/// A thing the operator should know: what happened, where, and what to do.
+struct OperatorNotice {
+  enum class Level { information, warning, fault };
+  Level level = Level::information;
+  QString text;
+};
+
+/// The one QObject that adapts a scan session to Qt. Its signals come on the GUI thread; nothing here waits for a
+/// device or a disk.
+class ScanController : public QObject {
+  Q_OBJECT
+
+ public:
+  enum class State { idle, starting, running, pausing, paused, stopping };
+  Q_ENUM(State)
+
+  explicit ScanController(QObject* parent = nullptr);
+  /// Stops a scan that runs and waits for its end: call only when the window closes.
+  ~ScanController() override;
+
+  State state() const { return state_; }
+  bool busy() const { return state_ != State::idle; }
+  const ScanProgress& progress() const { return progress_; }
+  /// Where the bench thread leaves what it sees.
+  const std::shared_ptr<BenchView>& bench_view() const { return bench_view_; }
+
+  /// While no scan runs, shows what camera and stage of this bench see; an empty one ends that.
+  void watch(const std::optional<Bench>& bench, double exposure_s);
+
+ public slots:
+  void start(const lumifield::ScanRequest& request);
+  void pause();
+  void resume();
+  void stop();
+  /// Takes these cells again, next.
+  void retake(const std::vector<lumifield::CellIndex>& cells);
+
+ signals:
+  void stateChanged(lumifield::ScanController::State state);
+  void started(const lumifield::LuminaireGeometry& geometry, const QString& dataset);
+  void progressed(const lumifield::ScanProgress& progress);
+  /// On the session's thread, before `cellStored`: for those that must not wait for the GUI thread.
+  void cellReady(lumifield::CellIndex cell, std::shared_ptr<const lumifield::CellImage> image);
+  void cellStored(const lumifield::CellEntry& entry, std::shared_ptr<const lumifield::CellImage> image);
+  void referenceRead(const lumifield::ReferenceReading& reading);
+  void noticed(const lumifield::OperatorNotice& notice);
+  /// Ended: `complete` when every cell is measured. `message` says it in a sentence.
+  void ended(bool complete, const QString& message);
+
+ private:
+  void set_state(State state);
+  void take(const SessionEvent& event);
+  void run(ScanRequest request);
+  void finish(const Result<ScanSummary>& summary);
+  void rest();
+
+  State state_ = State::idle;
+  ScanProgress progress_;
+  std::shared_ptr<BenchView> bench_view_ = std::make_shared<BenchView>();
+  std::optional<Bench> watched_;
+  double watch_exposure_s_ = 0;
+  std::unique_ptr<BenchWatch> watch_;
+  std::jthread letting_go_;  ///< of a watch that ended: its camera may take seconds
+
+  std::mutex mutex_;                      ///< of session_
+  std::unique_ptr<ScanSession> session_;  ///< null until it has started
+  bool stop_early_ = false;               ///< stop was asked for before it had
+  std::jthread thread_;
+};
+
+}  // namespace lumifield
