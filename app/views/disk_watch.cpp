@@ -1,0 +1,89 @@
+#include "app/views/disk_watch.h"
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+namespace lumifield {
+
+/// One folder's watch, owned by both sides.
+struct DiskWatch::Watch : std::enable_shared_from_this<Watch> {
+  std::filesystem::path folder;
+  std::chrono::milliseconds period;
+  std::mutex mutex;
+  std::condition_variable ended;
+  DiskWatch* reader = nullptr;  ///< null once nobody listens
+
+  void run();
+  void look();
+  void post(std::error_code code, double free_bytes);
+};
+
+namespace {
+
+std::filesystem::path nearest(std::filesystem::path folder) {
+  std::error_code code;
+  folder = std::filesystem::absolute(folder, code);
+  while (!folder.empty() && folder != folder.root_path() && !std::filesystem::exists(folder, code))
+    folder = folder.parent_path();
+  return folder;
+}
+
+}  // namespace
+
+void DiskWatch::Watch::run() {
+  std::unique_lock lock(mutex);
+  while (reader) {
+    lock.unlock();
+    look();
+    lock.lock();
+    ended.wait_for(lock, period, [this] { return !reader; });
+  }
+}
+
+void DiskWatch::Watch::look() {
+  std::error_code code;
+  const std::filesystem::space_info space = std::filesystem::space(nearest(folder), code);
+  post(code, code ? 0 : static_cast<double>(space.available));
+}
+
+void DiskWatch::Watch::post(std::error_code code, double free_bytes) {
+  std::lock_guard lock(mutex);
+  if (!reader) return;
+  DiskWatch* const to = reader;
+  QMetaObject::invokeMethod(
+      to,
+      [self = shared_from_this(), to, code, free_bytes] {
+        if (to->watch_ != self) return;
+        if (code)
+          emit to->failed(QString::fromStdString(self->folder.string() + ": the disk's room cannot be read: " +
+                                                 code.message() + "; check that it is mounted"));
+        else
+          emit to->roomRead(free_bytes);
+      },
+      Qt::QueuedConnection);
+}
+
+DiskWatch::DiskWatch(QObject* parent, std::chrono::milliseconds period) : QObject(parent), period_(period) {}
+
+DiskWatch::~DiskWatch() { end(); }
+
+void DiskWatch::end() {
+  if (!watch_) return;
+  std::lock_guard lock(watch_->mutex);
+  watch_->reader = nullptr;
+  watch_->ended.notify_all();
+}
+
+void DiskWatch::watch(const std::filesystem::path& folder) {
+  end();
+  watch_.reset();
+  if (folder.empty()) return;
+  watch_ = std::make_shared<Watch>();
+  watch_->folder = folder;
+  watch_->period = period_;
+  watch_->reader = this;
+  std::thread([watch = watch_] { watch->run(); }).detach();
+}
+
+}  // namespace lumifield

@@ -1,0 +1,108 @@
+#include "app/views/scan_words.h"
+
+#include <QDateTime>
+#include <QLocale>
+#include <array>
+#include <cmath>
+
+namespace lumifield {
+
+namespace {
+
+QString words(ScanState state, const QString& cell) {
+  switch (state) {
+    case ScanState::homing:
+      return "Homing the stage";
+    case ScanState::moving:
+      return "Moving the stage, " + cell;
+    case ScanState::settling:
+      return "Letting the stage settle, " + cell;
+    case ScanState::exposing:
+      return "Exposing, " + cell;
+    case ScanState::delivering:
+      return "Handing on " + cell;
+    case ScanState::parking:
+      return "Parking the stage behind the opaque patch";
+    case ScanState::done:
+      return "Done";
+    case ScanState::stopped:
+      return "Stopped; the stage stays where it is";
+    case ScanState::failed:
+      return "Failed";
+    case ScanState::idle:
+      return "About to begin";
+    case ScanState::paused:
+      return "Paused";
+  }
+  return {};
+}
+
+}  // namespace
+
+QString bench_words(ScanActivity activity, const ScanProgress& progress) {
+  const QString cell = "cell " + QString::fromStdString(to_string(progress.cell));
+  switch (activity) {
+    case ScanActivity::idle:
+      return "No scan is running";
+    case ScanActivity::starting:
+      return progress.state == ScanState::idle ? "Starting: checking plan, bench and devices"
+                                               : words(progress.state, cell);
+    case ScanActivity::running:
+      return words(progress.state, cell);
+    case ScanActivity::pausing:
+      return "Pausing after this step: " + words(progress.state, cell);
+    case ScanActivity::paused:
+      return "Paused; the reference cell is read first when the scan goes on";
+    case ScanActivity::stopping:
+      return "Stopping: storing what is measured";
+  }
+  return {};
+}
+
+QString duration_text(double seconds) {
+  if (!(seconds >= 0) || seconds > 1e9) return "—";
+  const auto whole = std::llround(seconds);
+  const QString minutes = QString("%1:%2").arg(whole / 60 % 60, 2, 10, QChar('0')).arg(whole % 60, 2, 10, QChar('0'));
+  return whole < 3600 ? minutes : QString("%1:%2").arg(whole / 3600).arg(minutes);
+}
+
+QString clock_text(const QDateTime& when, const QDateTime& now) {
+  const qint64 days = now.date().daysTo(when.date());
+  const QString time = when.toString("HH:mm");
+  if (days == 0) return time;
+  const QLocale english(QLocale::English);
+  return english.toString(when.date(), days > 0 && days < 7 ? "ddd" : "d MMM") + " " + time;
+}
+
+QString bytes_text(double bytes) {
+  constexpr std::array units{"B", "kB", "MB", "GB", "TB"};
+  std::size_t unit = 0;
+  while (bytes >= 999.5 && unit + 1 < units.size()) {
+    bytes /= 1000;
+    ++unit;
+  }
+  const int decimals = unit == 0 || bytes >= 99.95 ? 0 : 1;
+  return QString::number(bytes, 'f', decimals) + " " + units[unit];
+}
+
+QString drift_text(double drift) {
+  if (!std::isfinite(drift)) return "—";
+  const QString figure = QString::number(std::abs(100 * drift), 'f', 2);
+  return (drift < 0 ? "−" : "+") + figure + " %";
+}
+
+double stored_cell_bytes(const LuminaireGeometry& geometry) {
+  return static_cast<double>(geometry.measurement.pixels()) * static_cast<double>(geometry.channels.size()) * 2 *
+         sizeof(float);
+}
+
+QString room_text(double free_bytes, double cell_bytes, int cells) {
+  if (!(cell_bytes > 0)) return {};
+  const double room = std::floor(free_bytes / cell_bytes);
+  const bool scans = cells > 0 && room >= cells;
+  const double count = scans ? std::floor(room / cells) : room;
+  const QString number = count > 9999 ? QString("over 9999") : QString::number(count, 'f', 0);
+  return QString("room for %1 %2%3").arg(number, scans ? "scan" : "cell", count == 1 ? "" : "s");
+}
+
+}  // namespace lumifield

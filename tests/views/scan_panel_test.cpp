@@ -1,0 +1,243 @@
+#include "app/views/scan_panel.h"
+
+#include <QAction>
+#include <QLabel>
+#include <QProgressBar>
+#include <QPushButton>
+#include <QSignalSpy>
+#include <QTemporaryDir>
+#include <QTest>
+#include <gtest/gtest.h>
+
+#include "app/views/disk_watch.h"
+#include "app/views/scan_controls.h"
+#include "app/views/scan_words.h"
+
+namespace lumifield {
+namespace {
+
+using enum ScanActivity;
+
+QPushButton* button(QWidget& panel, const QString& text) {
+  for (QPushButton* one : panel.findChildren<QPushButton*>())
+    if (one->text() == text) return one;
+  return nullptr;
+}
+
+/// The value under a name of the figures.
+QLabel* figure(QWidget& panel, const QString& name) {
+  for (QLabel* label : panel.findChildren<QLabel*>())
+    if (label->accessibleName().startsWith(name + ": ")) return label;
+  return nullptr;
+}
+
+QString figure_text(QWidget& panel, const QString& name) {
+  const QLabel* label = figure(panel, name);
+  return label ? label->text() : "no such figure";
+}
+
+bool has_text(QWidget& panel, const QString& text) {
+  for (const QLabel* label : panel.findChildren<QLabel*>())
+    if (label->text() == text) return true;
+  return false;
+}
+
+void press(QWidget& panel, const QString& text) {
+  QPushButton* one = button(panel, text);
+  ASSERT_NE(one, nullptr) << text.toStdString();
+  QTest::mouseClick(one, Qt::LeftButton);
+}
+
+QStringList enabled(QWidget& panel) {
+  QStringList all;
+  for (const char* text : {"Start", "Pause", "Resume", "Stop…"})
+    if (button(panel, text)->isEnabled()) all << text;
+  return all;
+}
+
+ScanProgress progress_of(int done) { return {ScanState::exposing, done, 63, {3, 4}, 4000, 205}; }
+
+TEST(ScanPanel, SaysHowFarAndWhatAndWhenItEnds) {
+  QDateTime now(QDate(2024, 5, 7), QTime(23, 58, 0));
+  ScanPanel panel(nullptr, [&] { return now; });
+  panel.set_activity(starting);
+  panel.set_activity(running);
+  panel.set_progress(progress_of(37));
+  EXPECT_EQ(panel.findChild<QProgressBar*>()->text(), "37 of 63 cells");
+  EXPECT_TRUE(has_text(panel, "Exposing, cell (3, 4)"));
+  EXPECT_EQ(figure_text(panel, "Elapsed"), "1:06:40");
+  EXPECT_EQ(figure_text(panel, "Time left"), "03:25");
+  EXPECT_EQ(figure_text(panel, "Ends"), "Wed 00:01");
+  panel.set_drift(-0.0035, 0.01);
+  EXPECT_EQ(figure_text(panel, "Drift"), "−0.35 %");
+  panel.set_drift(0.02, 0.01);
+  EXPECT_EQ(figure_text(panel, "Drift"), "+2.00 % ⚠");
+}
+
+TEST(ScanPanel, TheClockGoesOnBetweenTwoWordsButNotInAPause) {
+  QDateTime now(QDate(2024, 5, 7), QTime(12, 0, 0));
+  ScanPanel panel(nullptr, [&] { return now; });
+  panel.set_activity(starting);
+  panel.set_activity(running);
+  panel.set_progress(progress_of(37));
+  now = now.addSecs(5);
+  EXPECT_TRUE(QTest::qWaitFor([&] { return figure_text(panel, "Time left") == "03:20"; }));
+  EXPECT_EQ(figure_text(panel, "Elapsed"), "1:06:45");
+  EXPECT_EQ(figure_text(panel, "Ends"), "12:03");
+  panel.set_activity(paused);
+  panel.set_progress(progress_of(38));
+  now = now.addSecs(600);
+  panel.set_drift(0, 0.01);
+  EXPECT_EQ(figure_text(panel, "Time left"), "03:25");
+  panel.set_activity(idle);
+  EXPECT_EQ(figure_text(panel, "Time left"), "—");
+  EXPECT_EQ(figure_text(panel, "Elapsed"), "1:06:40");
+}
+
+TEST(ScanPanel, ButtonsFollowTheScan) {
+  ScanPanel panel;
+  const std::vector<std::pair<ScanActivity, QStringList>> expected{{idle, {"Start"}},
+                                                                   {starting, {"Stop…"}},
+                                                                   {running, {"Pause", "Stop…"}},
+                                                                   {pausing, {"Resume", "Stop…"}},
+                                                                   {paused, {"Resume", "Stop…"}},
+                                                                   {stopping, {}}};
+  for (const auto& [activity, buttons] : expected) {
+    panel.set_activity(activity);
+    EXPECT_EQ(enabled(panel), buttons) << static_cast<int>(activity);
+  }
+  panel.set_activity(idle);
+  panel.set_startable(false, "Choose a plan first");
+  EXPECT_EQ(enabled(panel), QStringList());
+  EXPECT_TRUE(button(panel, "Start")->toolTip().startsWith("Choose a plan first"));
+}
+
+TEST(ScanPanel, StopAsksFirstInThePanel) {
+  ScanPanel panel;
+  panel.show();
+  QSignalSpy stop(&panel, &ScanPanel::stopRequested), pause(&panel, &ScanPanel::pauseRequested),
+      resume(&panel, &ScanPanel::resumeRequested), start(&panel, &ScanPanel::startRequested);
+  press(panel, "Start");
+  panel.set_activity(running);
+  press(panel, "Pause");
+  panel.set_activity(paused);
+  press(panel, "Resume");
+  EXPECT_EQ(start.count() * pause.count() * resume.count(), 1);
+
+  panel.set_activity(running);
+  press(panel, "Stop…");
+  EXPECT_TRUE(panel.controls().asks_to_stop());
+  EXPECT_EQ(stop.count(), 0);
+  press(panel, "Keep scanning");
+  EXPECT_FALSE(panel.controls().asks_to_stop());
+  press(panel, "Stop…");
+  QTest::keyClick(button(panel, "Keep scanning"), Qt::Key_Escape);
+  EXPECT_FALSE(panel.controls().asks_to_stop());
+  EXPECT_EQ(stop.count(), 0);
+  press(panel, "Stop…");
+  press(panel, "Stop the scan");
+  EXPECT_EQ(stop.count(), 1);
+  EXPECT_FALSE(panel.controls().asks_to_stop());
+
+  press(panel, "Stop…");
+  panel.set_activity(idle);  // it ended meanwhile
+  EXPECT_FALSE(panel.controls().asks_to_stop());
+}
+
+TEST(ScanPanel, KeysDoWhatTheButtonsDo) {
+  ScanPanel panel;
+  QSignalSpy stop(&panel, &ScanPanel::stopRequested), pause(&panel, &ScanPanel::pauseRequested),
+      resume(&panel, &ScanPanel::resumeRequested), start(&panel, &ScanPanel::startRequested);
+  panel.show();
+  panel.activateWindow();
+  ASSERT_TRUE(QTest::qWaitForWindowActive(&panel));
+  QTest::keyClick(&panel, Qt::Key_F6);
+  EXPECT_EQ(pause.count() + resume.count(), 0);
+  QTest::keyClick(&panel, Qt::Key_F5);
+  EXPECT_EQ(start.count(), 1);
+  panel.set_activity(running);
+  QTest::keyClick(&panel, Qt::Key_F6);
+  EXPECT_EQ(pause.count(), 1);
+  panel.set_activity(paused);
+  QTest::keyClick(&panel, Qt::Key_F6);
+  EXPECT_EQ(resume.count(), 1);
+  // A second time is no answer to the question.
+  QTest::keyClick(&panel, Qt::Key_F5, Qt::ShiftModifier);
+  QTest::keyClick(&panel, Qt::Key_F5, Qt::ShiftModifier);
+  EXPECT_TRUE(panel.controls().asks_to_stop());
+  EXPECT_EQ(stop.count(), 0);
+  QTest::keyClick(panel.focusWidget(), Qt::Key_Space);  // on the answer that changes nothing
+  EXPECT_FALSE(panel.controls().asks_to_stop());
+  EXPECT_EQ(stop.count(), 0);
+}
+
+TEST(ScanPanel, SaysHowTheScanEndedUntilTheNext) {
+  ScanPanel panel;
+  panel.set_activity(running);
+  panel.set_activity(idle);
+  panel.set_outcome("All 63 cells are measured.");
+  EXPECT_TRUE(has_text(panel, "All 63 cells are measured."));
+  panel.set_activity(starting);
+  EXPECT_TRUE(has_text(panel, "Starting: checking plan, bench and devices"));
+  EXPECT_FALSE(has_text(panel, "All 63 cells are measured."));
+}
+
+TEST(ScanPanel, IsLowWhenWideAndOneColumnWhenNarrow) {
+  ScanPanel panel;
+  panel.resize(1280, 80);
+  panel.show();
+  QCoreApplication::processEvents();
+  EXPECT_LE(panel.minimumSizeHint().height(), 90);
+  EXPECT_EQ(panel.height(), 80);
+  panel.resize(400, 300);
+  QCoreApplication::processEvents();
+  EXPECT_EQ(panel.width(), 400);
+  for (const QPushButton* child : panel.findChildren<QPushButton*>()) {
+    if (!child->isVisible()) continue;
+    EXPECT_LE(child->mapTo(&panel, QPoint(child->width(), 0)).x(), 400) << child->text().toStdString();
+  }
+}
+
+TEST(ScanPanel, TellsTheDisksRoomAndWarnsWhenItDoesNotSuffice) {
+  QTemporaryDir folder;
+  const std::filesystem::path out = std::filesystem::path(folder.path().toStdString()) / "not" / "there.lumi";
+  ScanPanel panel;
+  panel.set_dataset(out, 1e30, 63);
+  EXPECT_TRUE(QTest::qWaitFor([&] { return figure_text(panel, "Disk left").endsWith("room for 0 cells ⚠"); }));
+  panel.set_dataset(out, 1, 63);
+  EXPECT_TRUE(QTest::qWaitFor([&] { return figure_text(panel, "Disk left").endsWith("scans"); }));
+  EXPECT_TRUE(figure(panel, "Disk left")->toolTip().contains("GB"));
+}
+
+TEST(DiskWatch, ReadsTheNearestFolderThatIsThereAgainAndAgain) {
+  QTemporaryDir folder;
+  DiskWatch watch(nullptr, std::chrono::milliseconds(10));
+  QSignalSpy read(&watch, &DiskWatch::roomRead), failed(&watch, &DiskWatch::failed);
+  watch.watch(std::filesystem::path(folder.path().toStdString()) / "a" / "b");
+  EXPECT_TRUE(QTest::qWaitFor([&] { return read.count() >= 3; }));
+  EXPECT_GT(read.at(0).at(0).toDouble(), 0);
+  EXPECT_EQ(failed.count(), 0);
+  watch.watch({});
+  read.clear();
+  QTest::qWait(100);
+  EXPECT_EQ(read.count(), 0);
+}
+
+TEST(ScanWords, FiguresReadWell) {
+  EXPECT_EQ(duration_text(0), "00:00");
+  EXPECT_EQ(duration_text(59.6), "01:00");
+  EXPECT_EQ(duration_text(36000), "10:00:00");
+  EXPECT_EQ(duration_text(-1), "—");
+  EXPECT_EQ(bytes_text(999), "999 B");
+  EXPECT_EQ(bytes_text(999.6), "1.0 kB");
+  EXPECT_EQ(bytes_text(12.34e9), "12.3 GB");
+  EXPECT_EQ(bytes_text(118e9), "118 GB");
+  EXPECT_EQ(room_text(1000, 10, 63), "room for 1 scan");
+  EXPECT_EQ(room_text(100, 10, 63), "room for 10 cells");
+  const QDateTime now(QDate(2024, 5, 7), QTime(12, 0));
+  EXPECT_EQ(clock_text(now.addDays(10), now), "17 May 12:00");
+  EXPECT_EQ(drift_text(std::nan("")), "—");
+}
+
+}  // namespace
+}  // namespace lumifield
