@@ -9,15 +9,10 @@
 #include "app/session/bench_view.h"
 #include "app/session/bench_watch.h"
 #include "app/session/scan_session.h"
+#include "app/views/operator_notice.h"
+#include "app/views/scan_activity.h"
 
 namespace lumifield {
-
-/// A thing the operator should know: what happened, where, and what to do.
-struct OperatorNotice {
-  enum class Level { information, warning, fault };
-  Level level = Level::information;
-  QString text;
-};
 
 /// The one QObject that adapts a scan session to Qt. Its signals come on the GUI thread; nothing here waits for a
 /// device or a disk.
@@ -25,8 +20,7 @@ class ScanController : public QObject {
   Q_OBJECT
 
  public:
-  enum class State { idle, starting, running, pausing, paused, stopping };
-  Q_ENUM(State)
+  using State = ScanActivity;
 
   explicit ScanController(QObject* parent = nullptr);
   /// Stops a scan that runs and waits for its end: call only when the window closes.
