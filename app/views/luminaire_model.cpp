@@ -88,6 +88,7 @@ void LuminaireModel::set_waiting(const std::set<CellIndex>& cells) {
 
 void LuminaireModel::stop_loading() {
   ++load_number_;
+  is_loading_ = false;
   if (!loading_.joinable()) return;
   loading_.request_stop();
   loading_.join();  // at most the reading of one cell
@@ -95,6 +96,7 @@ void LuminaireModel::stop_loading() {
 
 void LuminaireModel::load(const std::filesystem::path& folder) {
   stop_loading();
+  is_loading_ = true;
   loading_ = std::jthread([this, folder, number = load_number_](std::stop_token stop) {
     // What arrives after a newer load or a reset is not taken.
     const auto post = [this, number](auto&& take) {
@@ -106,7 +108,10 @@ void LuminaireModel::load(const std::filesystem::path& folder) {
           Qt::QueuedConnection);
     };
     const auto give_up = [&](const Error& error) {
-      post([this, message = text(error.message())] { emit loadFailed(message); });
+      post([this, message = text(error.message())] {
+        is_loading_ = false;
+        emit loadFailed(message);
+      });
     };
     const Result<DatasetIndex> index = read_dataset_index(folder);
     if (!index) return give_up(index.error());
@@ -117,6 +122,7 @@ void LuminaireModel::load(const std::filesystem::path& folder) {
       measuring_.reset();
       waiting_.clear();
       emit resetDone();
+      emit loadBegan();
     });
     QStringList notes = texts(index->notes);
     for (const CellEntry& entry : index->manifest.cells) {
@@ -128,9 +134,15 @@ void LuminaireModel::load(const std::filesystem::path& folder) {
       }
       image->variance = std::vector<float>();
       if (entry.quality) image->quality = *entry.quality;
-      post([this, entry, shared = std::make_shared<const CellImage>(std::move(*image))] { put(entry, shared); });
+      post([this, entry, shared = std::make_shared<const CellImage>(std::move(*image))] {
+        emit cellLoaded(entry.cell, shared);
+        put(entry, shared);
+      });
     }
-    post([this, where = text(folder.string()), notes] { emit loaded(where, notes); });
+    post([this, where = text(folder.string()), notes] {
+      is_loading_ = false;
+      emit loaded(where, notes);
+    });
   });
 }
 

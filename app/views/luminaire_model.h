@@ -50,9 +50,13 @@ class LuminaireModel : public QObject {
   /// Reads a dataset in a thread of its own: resetDone, then cellChanged for each, then loaded or loadFailed. A load
   /// under way is given up.
   void load(const std::filesystem::path& folder);
+  bool loading() const { return is_loading_; }
 
  signals:
   void resetDone();
+  /// After resetDone, when the cells come from a dataset; each is told by cellLoaded, too.
+  void loadBegan();
+  void cellLoaded(lumifield::CellIndex cell, std::shared_ptr<const lumifield::CellImage> image);
   void cellChanged(lumifield::CellIndex cell);
   void stateChanged(lumifield::CellIndex cell);
   /// `notes`: torn lines, damaged files, defaults taken.
@@ -71,6 +75,7 @@ class LuminaireModel : public QObject {
   std::set<CellIndex> waiting_;
   std::jthread loading_;
   std::uint64_t load_number_ = 0;
+  bool is_loading_ = false;
 };
 
 }  // namespace lumifield

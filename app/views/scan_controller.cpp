@@ -28,10 +28,10 @@ ScanController::~ScanController() {
   if (thread_.joinable()) thread_.join();
 }
 
-void ScanController::set_state(State state) {
-  if (state_ == state) return;
-  state_ = state;
-  emit stateChanged(state);
+void ScanController::set_activity(ScanActivity activity) {
+  if (activity_ == activity) return;
+  activity_ = activity;
+  emit activityChanged(activity);
 }
 
 void ScanController::watch(const std::optional<Bench>& bench, double exposure_s) {
@@ -43,14 +43,13 @@ void ScanController::watch(const std::optional<Bench>& bench, double exposure_s)
 /// Watches the bench until the next scan. A watch that ends may wait for its camera: not on this thread.
 void ScanController::rest() {
   if (watch_)
-    letting_go_ = std::jthread(
-        [old = std::move(watch_), before = std::move(letting_go_)]() mutable { old.reset(); });
+    letting_go_ = std::jthread([old = std::move(watch_), before = std::move(letting_go_)]() mutable { old.reset(); });
   if (watched_) watch_ = std::make_unique<BenchWatch>(*watched_, watch_exposure_s_, bench_view_);
 }
 
 void ScanController::start(const ScanRequest& request) {
   if (busy()) return;
-  set_state(State::starting);
+  set_activity(ScanActivity::starting);
   stop_early_ = false;
   progress_ = {};
   if (thread_.joinable()) thread_.join();  // it has ended
@@ -77,8 +76,9 @@ void ScanController::run(ScanRequest request) {
     session_ = std::move(*started);
     if (stop_early_) session.stop();
   }
+  emit sessionReady(session.geometry());
   QMetaObject::invokeMethod(this, [this, geometry = session.geometry(), dataset] {
-    if (state_ == State::starting) set_state(State::running);
+    if (activity_ == ScanActivity::starting) set_activity(ScanActivity::running);
     emit this->started(geometry, dataset);
   });
   while (auto event = session.next_event()) {
@@ -96,7 +96,7 @@ void ScanController::run(ScanRequest request) {
 void ScanController::take(const SessionEvent& event) {
   if (const auto* progress = std::get_if<ScanProgress>(&event)) {
     progress_ = *progress;
-    if (progress->state == ScanState::paused && state_ == State::pausing) set_state(State::paused);
+    if (progress->state == ScanState::paused && activity_ == ScanActivity::pausing) set_activity(ScanActivity::paused);
     emit progressed(*progress);
   } else if (const auto* cell = std::get_if<CellStored>(&event)) {
     emit cellStored(cell->entry, cell->image);
@@ -109,7 +109,7 @@ void ScanController::take(const SessionEvent& event) {
 
 void ScanController::finish(const Result<ScanSummary>& summary) {
   if (thread_.joinable()) thread_.join();  // it has nothing left to do
-  set_state(State::idle);
+  set_activity(ScanActivity::idle);
   rest();
   if (!summary) {
     const bool stopped = summary.error().kind == ErrorKind::stopped;
@@ -131,20 +131,20 @@ void ScanController::finish(const Result<ScanSummary>& summary) {
 }
 
 void ScanController::pause() {
-  if (state_ != State::running) return;
-  set_state(State::pausing);
+  if (activity_ != ScanActivity::running) return;
+  set_activity(ScanActivity::pausing);
   with(mutex_, session_, [](ScanSession& session) { session.pause(); });
 }
 
 void ScanController::resume() {
-  if (state_ != State::pausing && state_ != State::paused) return;
-  set_state(State::running);
+  if (activity_ != ScanActivity::pausing && activity_ != ScanActivity::paused) return;
+  set_activity(ScanActivity::running);
   with(mutex_, session_, [](ScanSession& session) { session.resume(); });
 }
 
 void ScanController::stop() {
   if (!busy()) return;
-  set_state(State::stopping);
+  set_activity(ScanActivity::stopping);
   std::lock_guard lock(mutex_);
   stop_early_ = true;
   if (session_) session_->stop();

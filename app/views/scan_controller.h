@@ -20,14 +20,12 @@ class ScanController : public QObject {
   Q_OBJECT
 
  public:
-  using State = ScanActivity;
-
   explicit ScanController(QObject* parent = nullptr);
   /// Stops a scan that runs and waits for its end: call only when the window closes.
   ~ScanController() override;
 
-  State state() const { return state_; }
-  bool busy() const { return state_ != State::idle; }
+  ScanActivity activity() const { return activity_; }
+  bool busy() const { return activity_ != ScanActivity::idle; }
   const ScanProgress& progress() const { return progress_; }
   /// Where the bench thread leaves what it sees.
   const std::shared_ptr<BenchView>& bench_view() const { return bench_view_; }
@@ -44,9 +42,11 @@ class ScanController : public QObject {
   void retake(const std::vector<lumifield::CellIndex>& cells);
 
  signals:
-  void stateChanged(lumifield::ScanController::State state);
+  void activityChanged(lumifield::ScanActivity activity);
   void started(const lumifield::LuminaireGeometry& geometry, const QString& dataset);
   void progressed(const lumifield::ScanProgress& progress);
+  /// On the session's thread, before any cell.
+  void sessionReady(const lumifield::LuminaireGeometry& geometry);
   /// On the session's thread, before `cellStored`: for those that must not wait for the GUI thread.
   void cellReady(lumifield::CellIndex cell, std::shared_ptr<const lumifield::CellImage> image);
   void cellStored(const lumifield::CellEntry& entry, std::shared_ptr<const lumifield::CellImage> image);
@@ -56,13 +56,13 @@ class ScanController : public QObject {
   void ended(bool complete, const QString& message);
 
  private:
-  void set_state(State state);
+  void set_activity(ScanActivity activity);
   void take(const SessionEvent& event);
   void run(ScanRequest request);
   void finish(const Result<ScanSummary>& summary);
   void rest();
 
-  State state_ = State::idle;
+  ScanActivity activity_ = ScanActivity::idle;
   ScanProgress progress_;
   std::shared_ptr<BenchView> bench_view_ = std::make_shared<BenchView>();
   std::optional<Bench> watched_;

@@ -1,0 +1,194 @@
+#include "app/views/workbench.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "luminaire/plan.h"
+
+namespace lumifield {
+
+namespace {
+
+QString text(const std::string& utf8) { return QString::fromStdString(utf8); }
+
+/// The longest exposure: what is dark in it is dark in the scan.
+double live_exposure_s(const Plan& plan) {
+  return plan.exposures_s.empty() ? 0.01 : *std::ranges::max_element(plan.exposures_s);
+}
+
+}  // namespace
+
+Workbench::Workbench(LivePreview& preview, QObject* parent) : QObject(parent), preview_(preview) {
+  connect(&model_, &LuminaireModel::resetDone, this, &Workbench::changed);
+  connect(&model_, &LuminaireModel::loadBegan, this, [this] { preview_.set_luminaire(*model_.geometry()); });
+  connect(&model_, &LuminaireModel::cellLoaded, this,
+          [this](CellIndex cell, std::shared_ptr<const CellImage> image) { preview_.add(cell, std::move(image)); });
+  connect(&model_, &LuminaireModel::loadFailed, this, [this](const QString& message) {
+    when_loaded_.reset();
+    report(OperatorNotice::Level::fault, message);
+  });
+  connect(&model_, &LuminaireModel::loaded, this, [this](const QString&, const QStringList& notes) {
+    for (const QString& note : notes) report(OperatorNotice::Level::warning, note);
+    if (auto retakes = std::exchange(when_loaded_, std::nullopt)) begin(std::move(*retakes));
+  });
+
+  // The render thread gets the luminaire and its cells without a detour over this thread.
+  connect(
+      &scan_, &ScanController::sessionReady, this,
+      [this](const LuminaireGeometry& geometry) {
+        if (!keep_cells_) preview_.set_luminaire(geometry);
+        preview_.set_scan_running(true);
+      },
+      Qt::DirectConnection);
+  connect(
+      &scan_, &ScanController::cellReady, this,
+      [this](CellIndex cell, std::shared_ptr<const CellImage> image) { preview_.add(cell, std::move(image)); },
+      Qt::DirectConnection);
+
+  connect(&scan_, &ScanController::started, this, [this](const LuminaireGeometry& geometry, const QString&) {
+    folder_ = request_->out;
+    exists_ = true;
+    if (!keep_cells_) model_.reset(geometry, text(request_->out.stem().string()));
+    emit changed();
+  });
+  connect(&scan_, &ScanController::cellStored, this,
+          [this](const CellEntry& entry, std::shared_ptr<const CellImage> image) {
+            waiting_.erase(entry.cell);
+            model_.put(entry, std::move(image));
+          });
+  connect(&scan_, &ScanController::progressed, this, [this](const ScanProgress& progress) {
+    const bool at_a_cell = progress.state == ScanState::moving || progress.state == ScanState::settling ||
+                           progress.state == ScanState::exposing;
+    model_.set_measuring(at_a_cell ? std::optional(progress.cell) : std::nullopt);
+  });
+  connect(&scan_, &ScanController::ended, this, [this](bool, const QString&) {
+    preview_.set_scan_running(false);
+    model_.set_measuring(std::nullopt);
+    waiting_.clear();
+    model_.set_waiting({});
+    std::error_code ignored;  // a scan without a cell leaves no folder
+    exists_ = request_ && std::filesystem::exists(request_->out, ignored);
+    emit changed();
+  });
+  connect(&scan_, &ScanController::noticed, this, &Workbench::noticed);
+}
+
+Workbench::~Workbench() = default;
+
+QString Workbench::why_not_start() const {
+  if (scan_.busy()) return tr("A scan runs.");
+  if (!request_) return tr("No bench: choose a bench file and a plan with New scan.");
+  if (folder_ == request_->out && model_.geometry() && model_.measured() == model_.total())
+    return tr("Every cell is measured. Select cells to take them again, or choose New scan.");
+  return {};
+}
+
+/// `read` runs in a thread of its own; what it returns runs here.
+void Workbench::read_in_background(std::function<std::function<void()>()> read) {
+  reading_ = std::jthread([this, read = std::move(read), before = std::move(reading_)]() mutable {
+    if (before.joinable()) before.join();
+    QMetaObject::invokeMethod(this, read(), Qt::QueuedConnection);
+  });
+}
+
+void Workbench::open(const std::filesystem::path& folder) {
+  if (scan_.busy()) {
+    report(OperatorNotice::Level::warning, tr("%1 is not opened while a scan runs: stop the scan first, or open it in "
+                                              "a second window.")
+                                               .arg(text(folder.string())));
+    return;
+  }
+  folder_ = folder;
+  when_loaded_.reset();
+  if (request_ && request_->out != folder) {
+    request_.reset();
+    scan_.watch(std::nullopt, 0);
+  }
+  model_.load(folder);
+  emit changed();
+}
+
+void Workbench::prepare(const std::filesystem::path& bench_file, const std::filesystem::path& plan_file,
+                        const std::filesystem::path& out) {
+  read_in_background([this, bench_file, plan_file, out]() -> std::function<void()> {
+    const auto refuse = [this](const Error& error) {
+      return [this, message = text(error.message())] { report(OperatorNotice::Level::fault, message); };
+    };
+    auto bench = read_bench(bench_file);
+    if (!bench) return refuse(bench.error());
+    auto plan = read_plan(plan_file);
+    if (!plan) return refuse(plan.error());
+    if (const auto steps = make_scan_plan(*bench, *plan); !steps) return refuse(steps.error());
+    ScanRequest request;
+    request.bench = std::move(*bench);
+    request.plan = std::move(*plan);
+    request.out = out.has_filename() ? out : out.parent_path();
+    std::error_code unknown;
+    const bool exists = std::filesystem::exists(request.out, unknown);
+    if (unknown)
+      return refuse({"could not be looked at: " + unknown.message(), request.out.string(), "check its permissions"});
+    return [this, request, exists] { take_prepared(request, exists); };
+  });
+}
+
+void Workbench::take_prepared(ScanRequest request, bool exists) {
+  if (scan_.busy()) {
+    report(OperatorNotice::Level::warning, tr("A scan runs: stop it before preparing another."));
+    return;
+  }
+  request_ = std::move(request);
+  exists_ = exists;
+  scan_.watch(request_->bench, live_exposure_s(request_->plan));
+  if (exists_) open(request_->out);
+  emit prepared();
+  emit changed();
+}
+
+void Workbench::show_scene(const std::filesystem::path& file) {
+  read_in_background([this, file]() -> std::function<void()> {
+    auto scene = read_scene(file);
+    if (!scene)
+      return [this, message = text(scene.error().message())] { report(OperatorNotice::Level::fault, message); };
+    return [this, file, scene = std::move(*scene)] {
+      preview_.set_scene(scene);
+      emit sceneRead(scene, text(file.string()));
+    };
+  });
+}
+
+void Workbench::start() {
+  if (why_not_start().isEmpty()) begin({});
+}
+
+void Workbench::begin(std::vector<CellIndex> retakes) {
+  if (model_.loading()) {
+    when_loaded_ = std::move(retakes);
+    return;
+  }
+  keep_cells_ = exists_ && folder_ == request_->out && model_.geometry().has_value();
+  ScanRequest request = *request_;
+  request.resume = exists_;
+  request.retake = std::move(retakes);
+  scan_.start(request);
+  emit changed();
+}
+
+void Workbench::retake(const std::vector<CellIndex>& cells) {
+  if (cells.empty()) return;
+  if (scan_.busy()) {
+    scan_.retake(cells);
+  } else if (request_ && folder_ == request_->out && exists_) {
+    begin(cells);
+  } else {
+    report(
+        OperatorNotice::Level::warning,
+        tr("Cells of this luminaire cannot be taken again without its bench: choose New scan with its bench, its plan "
+           "and its folder, then select them again."));
+    return;
+  }
+  waiting_.insert(cells.begin(), cells.end());
+  model_.set_waiting(waiting_);
+}
+
+}  // namespace lumifield
