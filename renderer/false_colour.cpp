@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numbers>
+
+#include "renderer/bands.h"
 
 namespace lumifield {
 namespace {
@@ -61,20 +64,28 @@ std::array<std::uint8_t, 3> false_colour(double share) {
 }
 
 double largest_luminance(const Picture& picture) {
+  std::mutex mutex;
   double largest = 0;
-  for (std::size_t i = 0; i < picture.coverage.size(); ++i)
-    if (picture.coverage[i] > 0) largest = std::max(largest, luminance(&picture.rgb[3 * i]));
+  in_bands(picture.coverage.size(), [&](std::size_t begin, std::size_t end) {
+    double most = 0;
+    for (std::size_t i = begin; i < end; ++i)
+      if (picture.coverage[i] > 0) most = std::max(most, luminance(&picture.rgb[3 * i]));
+    const std::lock_guard lock(mutex);
+    largest = std::max(largest, most);
+  });
   return largest;
 }
 
 Picture8 false_colours(const Picture& picture, double top) {
   const double end = top > 0 ? top : largest_luminance(picture);
   Picture8 shown{picture.width_px, picture.height_px, std::vector<std::uint8_t>(picture.rgb.size(), 0)};
-  for (std::size_t i = 0; i < picture.coverage.size(); ++i) {
-    if (picture.coverage[i] == 0) continue;
-    const auto colour = false_colour(end > 0 ? luminance(&picture.rgb[3 * i]) / end : 0);
-    std::ranges::copy(colour, shown.srgb.begin() + static_cast<std::ptrdiff_t>(3 * i));
-  }
+  in_bands(picture.coverage.size(), [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      if (picture.coverage[i] == 0) continue;
+      const auto colour = false_colour(end > 0 ? luminance(&picture.rgb[3 * i]) / end : 0);
+      std::ranges::copy(colour, shown.srgb.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    }
+  });
   return shown;
 }
 

@@ -8,11 +8,14 @@
 #include <OpenEXR/ImfStdIO.h>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <png.h>
 #include <string_view>
 
 #include "luminaire/file_io.h"
+#include "renderer/bands.h"
 
 namespace lumifield {
 namespace {
@@ -24,16 +27,41 @@ double srgb_decode(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-/// The radiance from which on each code 1 … 255 shows: the tone curve backwards at the codes' rounding borders. A
-/// look-up among them costs half of the curve forwards.
-std::array<double, 255> code_thresholds(double exposure, double average) {
-  std::array<double, 255> thresholds{};
-  for (std::size_t k = 0; k < thresholds.size(); ++k) {
+/// The radiance from which on each code 1 … 255 shows: the tone curve backwards at the codes' rounding borders. The
+/// last stands beyond all.
+std::array<double, 256> code_thresholds(double exposure, double average) {
+  std::array<double, 256> thresholds{};
+  for (std::size_t k = 0; k < 255; ++k) {
     const double v = srgb_decode((static_cast<double>(k) + 0.5) / 255);
     thresholds[k] = -std::log1p(-v) * average / exposure;
   }
+  thresholds[255] = std::numeric_limits<double>::infinity();
   return thresholds;
 }
+
+/// The number of thresholds at or below a radiance: a table on the upper bits of the float, whose steps of 1/128 are
+/// finer than the codes', leaves at most a step or two to compare.
+class CodeTable {
+ public:
+  explicit CodeTable(const std::array<double, 256>& thresholds) : thresholds_(thresholds) {
+    for (std::uint32_t upper = 0, code = 0; upper < first_.size(); ++upper) {
+      const double least = std::bit_cast<float>(upper << 16);
+      while (code < 255 && thresholds_[code] <= least) ++code;
+      first_[upper] = static_cast<std::uint8_t>(code);
+    }
+  }
+
+  std::uint8_t operator()(float radiance) const {
+    if (!(radiance > 0)) return 0;
+    std::uint8_t code = first_[std::bit_cast<std::uint32_t>(radiance) >> 16];
+    while (code < 255 && thresholds_[code] <= radiance) ++code;
+    return code;
+  }
+
+ private:
+  std::array<double, 256> thresholds_;
+  std::array<std::uint8_t, 0x7f81> first_{};  ///< up to infinity
+};
 
 Status size_status(int width_px, int height_px, std::size_t values, const std::filesystem::path& file) {
   if (width_px > 0 && height_px > 0 &&
@@ -45,27 +73,43 @@ Status size_status(int width_px, int height_px, std::size_t values, const std::f
 }  // namespace
 
 double average_luminance(const Picture& picture) {
-  double sum = 0;
-  std::size_t lit = 0;
-  for (std::size_t i = 0; i + 2 < picture.rgb.size(); i += 3) {
-    const double l = luminance(&picture.rgb[i]);
-    if (!(l > 0)) continue;
-    sum += l;
-    ++lit;
+  // Blocks of fixed size keep the sum the same on any number of threads.
+  constexpr std::size_t block = 1 << 12;
+  struct Part {
+    double sum = 0;
+    std::size_t lit = 0;
+  };
+  const std::size_t pixels = picture.rgb.size() / 3;
+  std::vector<Part> parts((pixels + block - 1) / block);
+  in_bands(pixels, [&](std::size_t begin, std::size_t end) {
+    // A band has the blocks that begin in it.
+    for (std::size_t k = (begin + block - 1) / block; k * block < end; ++k) {
+      Part part;
+      for (std::size_t i = k * block; i < std::min(pixels, (k + 1) * block); ++i) {
+        const double l = luminance(&picture.rgb[3 * i]);
+        if (!(l > 0)) continue;
+        part.sum += l;
+        ++part.lit;
+      }
+      parts[k] = part;
+    }
+  });
+  Part all;
+  for (const Part& part : parts) {
+    all.sum += part.sum;
+    all.lit += part.lit;
   }
-  return lit == 0 ? 0 : sum / static_cast<double>(lit);
+  return all.lit == 0 ? 0 : all.sum / static_cast<double>(all.lit);
 }
 
 Picture8 tone_map(const Picture& picture, const ToneCurve& curve) {
   const double average = curve.white > 0 ? curve.white : average_luminance(picture);
   Picture8 mapped{picture.width_px, picture.height_px, std::vector<std::uint8_t>(picture.rgb.size(), 0)};
   if (!(average > 0 && curve.exposure > 0)) return mapped;
-  const std::array<double, 255> thresholds = code_thresholds(curve.exposure, average);
-  for (std::size_t i = 0; i < picture.rgb.size(); ++i) {
-    const double radiance = picture.rgb[i];
-    if (!(radiance > 0)) continue;
-    mapped.srgb[i] = static_cast<std::uint8_t>(std::ranges::upper_bound(thresholds, radiance) - thresholds.begin());
-  }
+  const CodeTable codes(code_thresholds(curve.exposure, average));
+  in_bands(picture.rgb.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) mapped.srgb[i] = codes(picture.rgb[i]);
+  });
   return mapped;
 }
 

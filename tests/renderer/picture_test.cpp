@@ -5,12 +5,16 @@
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <csignal>
 #include <cstring>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <limits>
 #include <png.h>
 #include <random>
 #include <sys/resource.h>
@@ -89,6 +93,42 @@ TEST(ToneMap, TheAverageIsThatOfLitPixels) {
   for (float& v : scaled.rgb) v *= 1024;
   EXPECT_EQ(tone_map(random, {}).srgb, tone_map(scaled, {}).srgb);
   EXPECT_EQ(tone_map(random, {}).srgb, tone_map(random, {.exposure = 1, .white = average_luminance(random)}).srgb);
+}
+
+TEST(ToneMap, IsTheSearchAmongTheCodesThresholds) {
+  // Thresholds as the curve gives them backwards, and floats at, beside and between them, of every size and kind.
+  const ToneCurve curve{.exposure = 0.3, .white = 0.071};
+  std::array<double, 255> thresholds{};
+  for (std::size_t k = 0; k < thresholds.size(); ++k) {
+    const double encoded = (static_cast<double>(k) + 0.5) / 255;
+    const double v = encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+    thresholds[k] = -std::log1p(-v) * curve.white / curve.exposure;
+  }
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  std::vector<float> values{0.0F, -0.0F, infinity, -infinity, std::nanf(""), -std::nanf(""), 1e-45F, 3e38F};
+  for (const double threshold : thresholds) {
+    const float at = static_cast<float>(threshold);
+    values.insert(values.end(), {std::nextafter(at, -infinity), at, std::nextafter(at, infinity)});
+  }
+  std::mt19937 random(3);
+  for (int k = 0; k < 200000; ++k) values.push_back(std::bit_cast<float>(static_cast<std::uint32_t>(random())));
+  std::uniform_real_distribution<float> uniform(0, 2);
+  for (int k = 0; k < 200000; ++k) values.push_back(uniform(random));
+  const Picture8 mapped = tone_map(grey(values), curve);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto code = values[i] > 0 ? std::ranges::upper_bound(thresholds, values[i]) - thresholds.begin() : 0;
+    ASSERT_EQ(mapped.srgb[3 * i], code) << values[i];
+  }
+}
+
+TEST(ToneMap, TheAverageOfALargePictureIsExact) {
+  Picture picture = grey(std::vector<float>(300001, 0));
+  double sum = 0;
+  for (std::size_t i = 0; i < picture.coverage.size(); i += 3) {
+    std::fill_n(&picture.rgb[3 * i], 3, static_cast<float>(i % 1000 + 1));
+    sum += static_cast<double>(i % 1000 + 1);
+  }
+  EXPECT_NEAR(average_luminance(picture), sum / 100001, 1e-9 * sum / 100001);
 }
 
 TEST(ToneMap, NothingLitIsBlack) {
