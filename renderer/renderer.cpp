@@ -2,15 +2,17 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <numbers>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "luminaire/dataset.h"
 #include "renderer/methods/closed_form.h"
 #include "renderer/opengl/gbuffer.h"
 #include "renderer/scene/mesh.h"
+#include "renderer/shading.h"
 
 namespace lumifield {
 namespace {
@@ -30,29 +32,6 @@ Status check_placements(const std::vector<ScenePlacement>& placements) {
   return {};
 }
 
-/// Positions and normals of a G-buffer as each placement's luminaire sees them, one placement after the other.
-struct Receivers {
-  std::vector<float> p, n;
-};
-
-Receivers receivers_of(const GBuffer& gbuffer, const std::vector<ScenePlacement>& placements) {
-  Receivers receivers;
-  receivers.p.resize(gbuffer.position.size() * placements.size());
-  receivers.n.resize(receivers.p.size());
-  std::size_t out = 0;
-  for (const ScenePlacement& placement : placements) {
-    const Eigen::Matrix3d to_luminaire = placement.pose.topLeftCorner<3, 3>().transpose();
-    const Vec3 origin = placement.pose.topRightCorner<3, 1>();
-    for (std::size_t i = 0; i < gbuffer.position.size(); i += 4, out += 4) {
-      if (gbuffer.position[i + 3] == 0) continue;
-      const Eigen::Map<const Eigen::Vector3f> p(&gbuffer.position[i]), n(&gbuffer.normal[i]);
-      Eigen::Map<Eigen::Vector3f>(&receivers.p[out]) = (to_luminaire * (p.cast<double>() - origin)).cast<float>();
-      Eigen::Map<Eigen::Vector3f>(&receivers.n[out]) = (to_luminaire * n.cast<double>()).cast<float>();
-    }
-  }
-  return receivers;
-}
-
 }  // namespace
 
 struct Renderer::Impl {
@@ -63,53 +42,97 @@ struct Renderer::Impl {
   std::vector<ScenePlacement> placements;
   RendererInfo info;
   GBuffer gbuffer;
+  double lod = 0;
 
   std::optional<LuminaireGeometry> geometry;
   std::unique_ptr<ClosedFormDevice> device;
-  std::vector<std::shared_ptr<const CellImage>> cells;  ///< by Sampling::flat, null while unmeasured
-  bool stale = false;                                   ///< the device's sums are not those of `cells`
+  std::vector<std::shared_ptr<const CellImage>> cells;   ///< by Sampling::flat, null while unmeasured
+  std::vector<std::shared_ptr<const CellImage>> summed;  ///< as they are in the device's sums
+  std::set<int> waiting;                                 ///< where cells and summed differ
+  bool cleared = false;                                  ///< the device has the view's receivers
+  double receiver_s = 0;                                 ///< of the last cells: time for a cell and receiver
+  std::vector<double> irradiance;
 
   Status need_luminaire() const {
     if (device) return {};
     return fail("no luminaire is set", "renderer", "set one first");
   }
-  Status sum_again();
-  void shade(const std::vector<float>& irradiance, Picture& picture) const;
+  double receivers() const {
+    return static_cast<double>(gbuffer.position.size()) / 4 * static_cast<double>(placements.size());
+  }
+  Status clear();
+  Status keep(CellIndex cell, std::shared_ptr<const CellImage> image);
+  Status sum(const std::vector<int>& flats);
+  Status sum(std::size_t count);
+  Status add(const std::vector<int>& flats);
 };
 
-/// Hands the device the receivers of the present view and all cells.
-Status Renderer::Impl::sum_again() {
-  stale = true;
+/// Hands the device the receivers of the present view; all cells wait.
+Status Renderer::Impl::clear() {
+  cleared = false;
+  summed.assign(cells.size(), nullptr);
+  waiting.clear();
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    if (cells[k]) waiting.insert(static_cast<int>(k));
+  if (const Status detailed = device->set_lod(lod); !detailed) return detailed;
   const Receivers receivers = receivers_of(gbuffer, placements);
-  if (const Status set = device->set_receivers(receivers.p, receivers.n); !set) return set;
-  std::vector<CellIndex> indices;
-  std::vector<const CellImage*> images;
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    if (!cells[k]) continue;
-    indices.push_back(geometry->sampling.index(static_cast<int>(k)));
-    images.push_back(cells[k].get());
-  }
-  if (!indices.empty())
-    if (const Status added = device->add_cells(indices, images); !added) return added;
-  stale = false;
+  const Status set = device->set_receivers(receivers.p, receivers.n);
+  cleared = set.has_value();
+  return set;
+}
+
+Status Renderer::Impl::keep(CellIndex cell, std::shared_ptr<const CellImage> image) {
+  if (const Status ready = need_luminaire(); !ready) return ready;
+  if (!image) return fail("comes without an image", "cell " + to_string(cell), "measure the cell again");
+  if (const Status fits = check_cell(*geometry, cell, *image); !fits) return fits;
+  const int flat = geometry->sampling.flat(cell);
+  cells[static_cast<std::size_t>(flat)] = std::move(image);
+  waiting.insert(flat);
   return {};
 }
 
-/// radiance = reflectance/π · Σ scale·E.
-void Renderer::Impl::shade(const std::vector<float>& irradiance, Picture& picture) const {
-  const std::size_t pixels = picture.coverage.size();
-  const std::size_t channels = geometry->channels.size();
-  for (std::size_t i = 0; i < pixels; ++i) {
-    picture.coverage[i] = gbuffer.position[4 * i + 3];
-    if (picture.coverage[i] == 0) continue;
-    const Material& material = materials[static_cast<std::size_t>(gbuffer.normal[4 * i + 3])];
-    for (std::size_t c = 0; c < 3; ++c) {
-      double e = 0;
-      for (std::size_t l = 0; l < placements.size(); ++l)
-        e += placements[l].scale * irradiance[(l * pixels + i) * channels + (channels == 1 ? 0 : c)];
-      picture.rgb[3 * i + c] = static_cast<float>(material.diffuse[c] / std::numbers::pi * e);
-    }
+/// The first `count` that wait: in the grid's order, in which the cells of a row share work.
+Status Renderer::Impl::sum(std::size_t count) {
+  if (!cleared)
+    if (const Status set = clear(); !set) return set;
+  std::vector<int> flats;
+  for (auto next = waiting.begin(); next != waiting.end() && flats.size() < count; ++next) flats.push_back(*next);
+  return sum(flats);
+}
+
+Status Renderer::Impl::sum(const std::vector<int>& flats) {
+  if (flats.empty()) return {};
+  const auto start = std::chrono::steady_clock::now();
+  const Status added = add(flats);
+  // A device that failed in the midst has sums of no known cells.
+  if (!added) {
+    cleared = false;
+    return added;
   }
+  for (const int flat : flats) {
+    summed[static_cast<std::size_t>(flat)] = cells[static_cast<std::size_t>(flat)];
+    waiting.erase(flat);
+  }
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  receiver_s = took.count() / (static_cast<double>(flats.size()) * std::max(receivers(), 1.0));
+  return {};
+}
+
+Status Renderer::Impl::add(const std::vector<int>& flats) {
+  std::vector<CellIndex> indices;
+  std::vector<const CellImage*> images;
+  for (const int flat : flats) {
+    const CellIndex index = geometry->sampling.index(flat);
+    const CellImage *image = cells[static_cast<std::size_t>(flat)].get(),
+                    *before = summed[static_cast<std::size_t>(flat)].get();
+    if (before || flats.size() == 1) {
+      if (const Status added = device->add_cell(index, *image, before); !added) return added;
+      continue;
+    }
+    indices.push_back(index);
+    images.push_back(image);
+  }
+  return indices.empty() ? Status{} : device->add_cells(indices, images);
 }
 
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -151,26 +174,28 @@ Status Renderer::set_luminaire(const LuminaireGeometry& geometry) {
   impl_->device = std::move(*device);
   impl_->cells.assign(static_cast<std::size_t>(geometry.sampling.cells()), nullptr);
   impl_->info.opencl = impl_->device->device_name();
-  return impl_->sum_again();
+  impl_->receiver_s = 0;
+  return impl_->clear();
 }
 
-Status Renderer::set_view(const SceneCamera& camera, int width_px, int height_px) {
+Status Renderer::set_view(const SceneCamera& camera, int width_px, int height_px, double lod) {
+  if (!(lod >= 0 && std::isfinite(lod)))
+    return fail("a level of detail of " + std::to_string(lod) + " pixels", "picture", "give 0 (exact) or more");
   Result<GBuffer> gbuffer = impl_->pass->draw(camera, width_px, height_px);
   if (!gbuffer) return tl::unexpected(gbuffer.error());
   impl_->gbuffer = std::move(*gbuffer);
-  return impl_->device ? impl_->sum_again() : Status{};
+  impl_->lod = lod;
+  return impl_->device ? impl_->clear() : Status{};
+}
+
+Status Renderer::keep_cell(CellIndex cell, std::shared_ptr<const CellImage> image) {
+  return impl_->keep(cell, std::move(image));
 }
 
 Status Renderer::add_cell(CellIndex cell, std::shared_ptr<const CellImage> image) {
-  if (const Status ready = impl_->need_luminaire(); !ready) return ready;
-  if (!image) return fail("comes without an image", "cell " + to_string(cell), "measure the cell again");
-  if (const Status fits = check_cell(*impl_->geometry, cell, *image); !fits) return fits;
-  std::shared_ptr<const CellImage>& kept = impl_->cells[static_cast<std::size_t>(impl_->geometry->sampling.flat(cell))];
-  const std::shared_ptr<const CellImage> before = std::exchange(kept, image);
-  if (impl_->stale) return impl_->sum_again();
-  const Status added = impl_->device->add_cell(cell, *image, before.get());
-  impl_->stale = !added;
-  return added;
+  const bool others = !impl_->waiting.empty();
+  if (const Status kept = impl_->keep(cell, std::move(image)); !kept || others) return kept;
+  return impl_->sum(1);
 }
 
 Status Renderer::add_all(const LightField& light_field) {
@@ -180,19 +205,40 @@ Status Renderer::add_all(const LightField& light_field) {
   for (int k = 0; k < impl_->geometry->sampling.cells(); ++k)
     if (auto image = light_field.cell(impl_->geometry->sampling.index(k)))
       impl_->cells[static_cast<std::size_t>(k)] = std::move(image);
-  return impl_->sum_again();
+  if (const Status cleared = impl_->clear(); !cleared) return cleared;
+  return impl_->sum(impl_->cells.size());
+}
+
+int Renderer::waiting() const { return static_cast<int>(impl_->waiting.size()); }
+
+bool Renderer::waits(CellIndex cell) const {
+  return impl_->geometry && impl_->waiting.contains(impl_->geometry->sampling.flat(cell));
+}
+
+double Renderer::cell_s() const { return impl_->receiver_s * impl_->receivers(); }
+
+Status Renderer::sum_some(double seconds) {
+  if (const Status ready = impl_->need_luminaire(); !ready) return ready;
+  const double fit = cell_s() > 0 ? seconds / cell_s() : 1;
+  return impl_->sum(static_cast<std::size_t>(std::clamp(fit, 1.0, 1e6)));
 }
 
 Result<Picture> Renderer::picture() {
   if (const Status ready = impl_->need_luminaire(); !ready) return tl::unexpected(ready.error());
-  if (impl_->stale)
-    if (const Status summed = impl_->sum_again(); !summed) return tl::unexpected(summed.error());
-  std::vector<float> irradiance;
-  if (const Status read = impl_->device->read(irradiance); !read) return tl::unexpected(read.error());
+  if (const Status summed = impl_->sum(impl_->cells.size()); !summed) return tl::unexpected(summed.error());
+  return picture_so_far();
+}
+
+Result<Picture> Renderer::picture_so_far() {
+  if (const Status ready = impl_->need_luminaire(); !ready) return tl::unexpected(ready.error());
+  if (!impl_->cleared)
+    if (const Status cleared = impl_->clear(); !cleared) return tl::unexpected(cleared.error());
+  if (const Status read = impl_->device->read(impl_->irradiance); !read) return tl::unexpected(read.error());
   const std::size_t pixels = impl_->gbuffer.position.size() / 4;
-  Picture picture{impl_->gbuffer.width_px, impl_->gbuffer.height_px, std::vector<float>(3 * pixels, 0.0F),
-                  std::vector<float>(pixels, 0.0F), left_out};
-  impl_->shade(irradiance, picture);
+  Picture picture{impl_->gbuffer.width_px, impl_->gbuffer.height_px, std::vector<float>(3 * pixels),
+                  std::vector<float>(pixels), left_out};
+  shade(impl_->gbuffer, impl_->materials, impl_->placements, impl_->irradiance, impl_->geometry->channels.size(),
+        picture);
   return picture;
 }
 

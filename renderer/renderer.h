@@ -12,17 +12,21 @@
 namespace lumifield {
 
 struct RendererInfo {
-  std::string opengl;  ///< renderer and version
-  std::string opencl;  ///< device
+  std::string opengl;              ///< renderer and version
+  std::string opencl;              ///< device
   std::vector<std::string> notes;  ///< what the picture does not show of the scene
 };
 
 /// The live picture: a scene lit by the part of a luminaire that is measured. Thread-bound to the render thread, which
-/// owns its EGL context and OpenCL queue for life. OpenGL makes the G-buffer once per view or scene; OpenCL adds cells to
-/// the running sum of irradiance. Diffuse and unshadowed.
+/// owns its EGL context and OpenCL queue for life. OpenGL makes the G-buffer once per view or scene; OpenCL adds cells
+/// to the running sum of irradiance. Diffuse and unshadowed.
+///
+/// A cell is kept, then summed; kept ones wait after a change of view, and picture() sums what waits. Who must not be
+/// held up sums them in slices (sum_some) and asks for a picture when none waits.
 class Renderer {
  public:
-  /// Errors: no EGL context, no OpenCL device, the mesh's, a scene without a luminaire or with a pose that is not rigid.
+  /// Errors: no EGL context, no OpenCL device, the mesh's, a scene without a luminaire or with a pose that is not
+  /// rigid.
   static Result<std::unique_ptr<Renderer>> create(const Scene& scene, int width_px, int height_px);
   ~Renderer();
 
@@ -30,16 +34,30 @@ class Renderer {
 
   /// Forgets all cells and takes another luminaire. It stands at every placement of the scene; their light adds up.
   Status set_luminaire(const LuminaireGeometry& geometry);
-  /// Another view: all cells are added again.
-  Status set_view(const SceneCamera& camera, int width_px, int height_px);
+  /// Another view: draws it and clears the sums, so that all cells wait. A view that is refused leaves all as it was.
+  /// `lod` is the closed form's level of detail T, pixels per support and axis; 0 is exact.
+  Status set_view(const SceneCamera& camera, int width_px, int height_px, double lod = 0);
 
-  /// Adds or replaces one cell; the image is kept for changes of view. After an error of the device the next picture
-  /// sums all cells again.
+  /// Adds or replaces one cell; the image is kept for changes of view. Where others wait, it waits with them. After an
+  /// error of the device all cells wait.
   Status add_cell(CellIndex cell, std::shared_ptr<const CellImage> image);
+  /// Adds or replaces one, which waits.
+  Status keep_cell(CellIndex cell, std::shared_ptr<const CellImage> image);
+  /// Sums all cells, those of before too.
   Status add_all(const LightField& light_field);
 
-  /// radiance = reflectance/π · Σ scale·E.
+  /// Cells that are kept, but not in the sums as they are kept.
+  int waiting() const;
+  bool waits(CellIndex cell) const;
+  /// Sums some that wait: as many as take about `seconds` by the time that the last ones took, at least one.
+  Status sum_some(double seconds);
+  /// What one more cell costs in this view by the time that the last ones took, seconds; 0 before the first.
+  double cell_s() const;
+
+  /// radiance = reflectance/π · Σ scale·E over all cells: those that wait are summed first.
   Result<Picture> picture();
+  /// Of the cells in the sums alone: one that waits is dark, or stands as it was before it was replaced.
+  Result<Picture> picture_so_far();
   /// Kernel time of the last add over all placements, seconds.
   double last_kernel_s() const;
 

@@ -220,7 +220,7 @@ Status ClosedFormDevice::add_cells(std::span<const CellIndex> cells, std::span<c
 }
 
 Status ClosedFormDevice::read(std::vector<double>& irradiance) {
-  irradiance.assign(static_cast<std::size_t>(impl_->shared.receivers) * impl_->channels(), 0.0);
+  irradiance.resize(static_cast<std::size_t>(impl_->shared.receivers) * impl_->channels());
   return impl_->device->read(impl_->sums, std::as_writable_bytes(std::span(irradiance)));
 }
 

@@ -203,6 +203,88 @@ TEST_F(RendererTest, AChangedViewLooksLikeAFreshOne) {
   EXPECT_THAT(nothing.rgb, testing::Each(0.0F));
 }
 
+TEST_F(RendererTest, ANewViewsCellsAreSummedInSlices) {
+  const LightField field = light_field_of(geometry_of({"Y"}));
+  auto renderer = renderer_of(scene_, field.geometry());
+  EXPECT_EQ(renderer->waiting(), 0);
+  ASSERT_TRUE(renderer->add_all(field));
+  EXPECT_EQ(renderer->waiting(), 0);
+  EXPECT_GT(renderer->cell_s(), 0);
+  scene_.camera.position_mm = {-500, -900, 700};
+  ASSERT_TRUE(renderer->set_view(scene_.camera, width, height));
+  EXPECT_EQ(renderer->waiting(), 6);
+  EXPECT_THAT(renderer->picture_so_far()->rgb, testing::Each(0.0F)) << "the sums are cleared";
+
+  // One at a time when time is short; all when there is plenty.
+  for (int left = 5; left >= 3; --left) {
+    ASSERT_TRUE(renderer->sum_some(1e-9));
+    ASSERT_EQ(renderer->waiting(), left);
+  }
+  EXPECT_FALSE(renderer->waits({0, 2}));
+  EXPECT_TRUE(renderer->waits({1, 0}));
+  LightField first_row(field.geometry());
+  for (int column = 0; column < 3; ++column) ASSERT_TRUE(first_row.add({0, column}, field.cell({0, column})));
+  EXPECT_LT(difference(fresh(scene_, first_row), *renderer->picture_so_far()), 1e-6);
+  ASSERT_TRUE(renderer->sum_some(1000));
+  EXPECT_EQ(renderer->waiting(), 0);
+  EXPECT_LT(difference(fresh(scene_, field), *renderer->picture()), 1e-6);
+
+  // A view between two slices starts anew.
+  ASSERT_TRUE(renderer->set_view(scene_.camera, width, height));
+  ASSERT_TRUE(renderer->sum_some(1e-9));
+  scene_.camera.position_mm = {300, -1200, 900};
+  ASSERT_TRUE(renderer->set_view(scene_.camera, width, height));
+  EXPECT_EQ(renderer->waiting(), 6);
+  EXPECT_EQ(difference(fresh(scene_, field), *renderer->picture()), 0);
+}
+
+TEST_F(RendererTest, CellsThatComeWhileOthersWaitAreSummedWithThem) {
+  LightField field = light_field_of(geometry_of({"Y"}));
+  auto renderer = renderer_of(scene_, field.geometry());
+  ASSERT_TRUE(renderer->add_all(field));
+
+  // A replaced cell that waits stands as it was; what replaces it again while it waits is all that counts.
+  const Picture before = *renderer->picture();
+  ASSERT_TRUE(renderer->keep_cell({1, 1}, image_of(field.geometry(), 50)));
+  EXPECT_EQ(renderer->waiting(), 1);
+  EXPECT_EQ(difference(before, *renderer->picture_so_far()), 0);
+  const auto retake = image_of(field.geometry(), 51);
+  ASSERT_TRUE(renderer->add_cell({1, 1}, retake));
+  EXPECT_EQ(renderer->waiting(), 1) << "another waits, so this does";
+  ASSERT_TRUE(field.add({1, 1}, retake));
+  EXPECT_LT(difference(fresh(scene_, field), *renderer->picture()), 1e-6);
+  EXPECT_EQ(renderer->waiting(), 0);
+
+  // New and replaced ones in one slice.
+  auto other = renderer_of(scene_, field.geometry());
+  for (int k = 0; k < 3; ++k)
+    ASSERT_TRUE(other->add_cell(field.geometry().sampling.index(k), image_of(field.geometry(), 70)));
+  for (int k = 0; k < 6; ++k) {
+    const CellIndex cell = field.geometry().sampling.index(k);
+    ASSERT_TRUE(other->keep_cell(cell, field.cell(cell)));
+  }
+  EXPECT_LT(difference(fresh(scene_, field), *other->picture()), 1e-6);
+
+  EXPECT_FALSE(renderer->keep_cell({2, 0}, retake));
+  EXPECT_FALSE(renderer->keep_cell({0, 0}, nullptr));
+  EXPECT_FALSE(renderer->waits({2, 0}));
+}
+
+TEST_F(RendererTest, ALevelOfDetailIsPartOfTheView) {
+  const LightField field = light_field_of(geometry_of({"Y"}));
+  auto renderer = renderer_of(scene_, field.geometry());
+  ASSERT_TRUE(renderer->add_all(field));
+  const Picture exact = *renderer->picture();
+  ASSERT_TRUE(renderer->set_view(scene_.camera, width, height, 1));
+  const Picture coarse = *renderer->picture();
+  EXPECT_LT(difference(exact, coarse), 0.2);
+  EXPECT_FALSE(renderer->set_view(scene_.camera, width, height, -1));
+  EXPECT_FALSE(renderer->set_view(scene_.camera, width, height, std::nan("")));
+  EXPECT_EQ(difference(coarse, *renderer->picture()), 0) << "a view that is refused changes nothing";
+  ASSERT_TRUE(renderer->set_view(scene_.camera, width, height));
+  EXPECT_EQ(difference(exact, *renderer->picture()), 0);
+}
+
 TEST_F(RendererTest, RefusesWhatDoesNotFit) {
   const LuminaireGeometry geometry = geometry_of({"Y"});
   auto bare = Renderer::create(scene_, width, height);
