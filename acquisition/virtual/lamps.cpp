@@ -15,18 +15,6 @@ double AxisTerm::detail_mm() const {
   return std::min(kSeparationMm * finest, 4.0);
 }
 
-double AxisTerm::lobe(double u, double m) const {
-  const double t = (m - lobe_center(u)) / sigma;
-  const double gauss = std::exp(-0.5 * t * t);
-  return edge_width == 0 ? gauss : gauss / (1 + std::exp((m - edge) / edge_width));
-}
-
-Eigen::ArrayXd AxisTerm::lobe(double u, const Eigen::ArrayXd& m) const {
-  Eigen::ArrayXd value = (-0.5 * ((m - lobe_center(u)) / sigma).square()).exp();
-  if (edge_width != 0) value /= 1 + ((m - edge) / edge_width).exp();
-  return value;
-}
-
 Eigen::Array3d Lamp::radiance(const Vec2& u, const Vec2& m) const {
   Eigen::Array3d sum = Eigen::Array3d::Zero();
   for (const LampTerm& term : terms) {

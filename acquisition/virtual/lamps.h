@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -32,8 +33,14 @@ struct AxisTerm {
   /// Length in u over which F, seen from a point of S, is a low polynomial.
   double detail_mm() const;
   double window(double u) const;
-  double lobe(double u, double m) const;
-  Eigen::ArrayXd lobe(double u, const Eigen::ArrayXd& m) const;
+  /// Lobe and edge, M being double or Eigen::ArrayXd.
+  template <class M>
+  M lobe(double u, const M& m) const {
+    using std::exp;
+    const M t = (m - lobe_center(u)) / sigma, gauss = exp(-0.5 * t * t);
+    if (edge_width == 0) return gauss;
+    return gauss / (1 + exp((m - edge) / edge_width));
+  }
 };
 
 struct LampTerm {

@@ -8,38 +8,20 @@
 
 namespace lumifield::virtual_bench {
 
-namespace {
-
-struct Distorted {
-  Vec2 value;
-  Eigen::Matrix2d jacobian;
-};
-
-Distorted distort_with_jacobian(const CameraModel& camera, const Vec2& ideal) {
+Vec2 distort(const CameraModel& camera, const Vec2& ideal) {
   const auto [k1, k2, p1, p2, k3] = camera.distortion;
-  const double x = ideal.x(), y = ideal.y(), r2 = x * x + y * y;
+  const double x = ideal.x(), y = ideal.y(), r2 = ideal.squaredNorm();
   const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-  const double radial_slope = 2 * (k1 + r2 * (2 * k2 + 3 * r2 * k3));  // ∂radial/∂x = x · this
-  Distorted d;
-  d.value = {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
-  const double cross = x * y * radial_slope + 2 * p1 * x + 2 * p2 * y;
-  d.jacobian << radial + x * x * radial_slope + 2 * p1 * y + 6 * p2 * x, cross, cross,
-      radial + y * y * radial_slope + 6 * p1 * y + 2 * p2 * x;
-  return d;
+  return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
 }
 
-}  // namespace
-
-Vec2 distort(const CameraModel& camera, const Vec2& ideal) { return distort_with_jacobian(camera, ideal).value; }
-
 Vec2 undistort(const CameraModel& camera, const Vec2& distorted) {
-  Vec2 ideal = distorted;
-  for (int i = 0; i < 20; ++i) {
-    const Distorted d = distort_with_jacobian(camera, ideal);
-    const Vec2 step = d.jacobian.inverse() * (distorted - d.value);
+  Vec2 ideal = distorted, step;
+  int steps = 0;
+  do {
+    step = distorted - distort(camera, ideal);
     ideal += step;
-    if (step.squaredNorm() < 1e-24) break;
-  }
+  } while (step.squaredNorm() > 1e-24 && ++steps < 100);
   return ideal;
 }
 
@@ -65,12 +47,12 @@ Pose look_at(const Vec3& eye, const Vec3& target, double roll) {
 }
 
 bool sees(const CameraModel& camera, double separation_mm, const Vec2& half_view_mm) {
-  const double margin_x = camera.width_px * 0.015, margin_y = camera.height_px * 0.015;
+  const Eigen::Array2d last(camera.width_px - 1, camera.height_px - 1), margin = 0.015 * (last + 1);
   for (int i = -4; i <= 4; ++i)
     for (int j = -4; j <= 4; ++j) {
-      const Vec2 pixel = project(camera, Vec3(half_view_mm.x() * i / 4, half_view_mm.y() * j / 4, separation_mm));
-      if (pixel.x() < margin_x || pixel.x() > camera.width_px - 1 - margin_x) return false;
-      if (pixel.y() < margin_y || pixel.y() > camera.height_px - 1 - margin_y) return false;
+      const Vec3 corner(half_view_mm.x() * i / 4, half_view_mm.y() * j / 4, separation_mm);
+      const Eigen::Array2d pixel = project(camera, corner).array();
+      if ((pixel < margin).any() || (pixel > last - margin).any()) return false;
     }
   return true;
 }
@@ -86,10 +68,7 @@ CameraModel place_camera(int width_px, int height_px, double separation_mm, cons
   camera.fy = 1749.0 * scale;
   camera.cx = width_px / 2.0 + 6.3 * scale;
   camera.cy = height_px / 2.0 - 4.8 * scale;
-  if (optics) {
-    camera.distortion = {-0.24, 0.12, 8e-4, -5e-4, 0.03};
-    camera.vignetting = {-0.9, 0.5, -0.2};
-  }
+  camera = with_optics(camera, optics);
 
   // Step back along a line 32° off the normal until the view fits.
   const Vec3 target(0, 0, separation_mm), direction = Vec3(0.18, -0.50, 0.85).normalized();
@@ -97,6 +76,15 @@ CameraModel place_camera(int width_px, int height_px, double separation_mm, cons
     camera.pose = look_at(target + distance * direction, target, 0.03);
     if (sees(camera, separation_mm, half_view_mm)) break;
   }
+  return camera;
+}
+
+CameraModel with_optics(CameraModel camera, bool optics) {
+  camera.distortion = {};
+  camera.vignetting = {};
+  if (!optics) return camera;
+  camera.distortion = {-0.24, 0.12, 8e-4, -5e-4, 0.03};
+  camera.vignetting = {-0.9, 0.5, -0.2};
   return camera;
 }
 

@@ -35,8 +35,8 @@ std::array<float, kQuantiles> make_normal_table() {
 
 }  // namespace
 
-Photosites::Photosites(const Sensor& sensor, int full_scale_dn, int width_px, int height_px, std::uint64_t seed)
-    : sensor_(sensor), full_scale_dn_(static_cast<float>(full_scale_dn)), seed_(seed) {
+Photosites::Photosites(const Sensor& sensor, int width_px, int height_px, std::uint64_t seed)
+    : sensor_(sensor), seed_(seed) {
   constexpr float dark_e_s = 3;
   constexpr int hot_pixels = 30;
   dark_.assign(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px), dark_e_s);
@@ -53,6 +53,7 @@ void Photosites::expose(const Exposure& exposure, std::size_t first, std::span<c
   const float light_s = static_cast<float>(exposure.seconds * exposure.light);
   const float dark_s = exposure.noise ? static_cast<float>(exposure.seconds) : 0.0f;
   const float read2 = static_cast<float>(sensor_.read_noise_e * sensor_.read_noise_e);
+  const float full_scale = static_cast<float>(sensor_.saturation_dn);
   const float offset = static_cast<float>(sensor_.black_level_dn) + 0.5f, spread = exposure.noise ? gain : 0.0f;
 
   std::uint64_t key = combine(seed_, static_cast<std::uint64_t>(exposure.stage_um[0]));
@@ -65,7 +66,7 @@ void Photosites::expose(const Exposure& exposure, std::size_t first, std::span<c
     const float z = normal[h % kQuantiles] + normal[(h >> 20) % kQuantiles];
     const float electrons = rate[p] * light_s + dark_[first + p] * dark_s;
     const float value = offset + gain * electrons + spread * std::sqrt(electrons + read2) * z;
-    dn[p] = static_cast<std::uint16_t>(std::clamp(value, 0.0f, full_scale_dn_));
+    dn[p] = static_cast<std::uint16_t>(std::clamp(value, 0.0f, full_scale));
   }
 }
 

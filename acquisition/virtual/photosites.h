@@ -10,13 +10,13 @@ namespace lumifield::virtual_bench {
 
 /// The camera's sensor, from electrons per second to DN:
 ///
-///     n = (rate + dark) t,   DN = black + gain · (n + √(n + read²) z),   rounded, clipped to [0, full scale],
+///     n = (rate + dark) t,   DN = black + gain · (n + √(n + read²) z),   rounded, clipped to [0, saturation],
 ///
 /// dark = a small dark current, large at some thirty hot pixels, z a standard normal hashed from (seed, stage position
 /// in µm, exposure in µs, gain, pixel): the same frame taken again is the same. Immutable, safe from any thread.
 class Photosites {
  public:
-  Photosites(const Sensor& sensor, int full_scale_dn, int width_px, int height_px, std::uint64_t seed);
+  Photosites(const Sensor& sensor, int width_px, int height_px, std::uint64_t seed);
 
   struct Exposure {
     std::int64_t stage_um[2];
@@ -32,7 +32,6 @@ class Photosites {
 
  private:
   Sensor sensor_;
-  float full_scale_dn_;
   std::uint64_t seed_;
   std::vector<float> dark_;
 };

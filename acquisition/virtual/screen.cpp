@@ -1,6 +1,7 @@
 #include "acquisition/virtual/screen.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "acquisition/virtual/quadrature.h"
@@ -20,10 +21,8 @@ Eigen::ArrayXd ScreenGrid::nodes(int axis) const {
 
 namespace {
 
-/// ∫ f⁺ F du and ∫ f⁻ F du for every s; empty where filter and term do not meet.
-struct AxisIntegrals {
-  Eigen::ArrayXd positive, negative;
-};
+/// ∫ f⁻ F du and ∫ f⁺ F du for every s; empty where filter and term do not meet.
+using AxisIntegrals = std::array<Eigen::ArrayXd, 2>;
 
 AxisIntegrals integrate_axis(const AxisTerm& term, const Slide& slide, int axis, double filter_mm,
                              const Eigen::ArrayXd& s) {
@@ -33,7 +32,7 @@ AxisIntegrals integrate_axis(const AxisTerm& term, const Slide& slide, int axis,
   for (const Slide::Piece& piece : slide.pieces()) {
     const double low = std::max(filter_mm + a * piece.begin, term.low_mm());
     const double high = std::min(filter_mm + a * piece.end, term.high_mm());
-    Eigen::ArrayXd& sum = piece.positive ? sums.positive : sums.negative;
+    Eigen::ArrayXd& sum = sums[piece.positive];
     if (low < high && sum.size() == 0) sum = Eigen::ArrayXd::Zero(s.size());
     rule.panels(low, high, term.detail_mm(), [&](double u, double weight) {
       weight *= std::abs(slide.f((u - filter_mm) / a)) * term.window(u);
@@ -43,33 +42,28 @@ AxisIntegrals integrate_axis(const AxisTerm& term, const Slide& slide, int axis,
   return sums;
 }
 
-/// The factors of the irradiance: Σ_c colour_c · y_c x_cᵀ.
-struct Factors {
-  std::vector<Eigen::ArrayXd> x, y;
-  std::vector<Eigen::Array3d> colour;
-
-  void add(const Eigen::ArrayXd& along_x, const Eigen::ArrayXd& along_y, const Eigen::Array3d& rgb) {
-    if (along_x.size() == 0 || along_y.size() == 0) return;
-    x.push_back(along_x);
-    y.push_back(along_y);
-    colour.push_back(rgb);
-  }
+/// One product of the irradiance Σ colour · y xᵀ.
+struct Factor {
+  Eigen::ArrayXd x, y;
+  Eigen::Array3d colour;
 };
 
-Factors factors_of(const Lamp& lamp, const Slide& slide, const Bench& bench, const ScreenGrid& grid,
-                   const Vec2& stage_mm) {
+std::vector<Factor> factors_of(const Lamp& lamp, const Slide& slide, const Bench& bench, const ScreenGrid& grid,
+                               const Vec2& stage_mm) {
   const Vec2 displacement = displacement_mm(bench, stage_mm);
   const Eigen::ArrayXd sx = grid.nodes(0) - displacement.x(), sy = grid.nodes(1) - displacement.y();
-  Factors factors;
+  std::vector<Factor> factors;
   for (const FilterPass& pass : slide.filter().passes) {
     const Vec2 center = filter_center_mm(bench, pass, stage_mm);
     for (const LampTerm& term : lamp.terms) {
       const AxisIntegrals x = integrate_axis(term.x, slide, 0, center.x(), sx);
-      if (x.positive.size() == 0 && x.negative.size() == 0) continue;
+      if (x[0].size() == 0 && x[1].size() == 0) continue;
       const AxisIntegrals y = integrate_axis(term.y, slide, 1, center.y(), sy);
       const Eigen::Array3d colour = term.radiance / (std::abs(pass.scale) * kSeparationMm * kSeparationMm);
-      factors.add(x.positive, pass.scale > 0 ? y.positive : y.negative, colour);
-      factors.add(x.negative, pass.scale > 0 ? y.negative : y.positive, colour);
+      for (const int sign : {0, 1}) {
+        const Eigen::ArrayXd& partner = y[pass.scale > 0 ? sign : 1 - sign];
+        if (x[sign].size() > 0 && partner.size() > 0) factors.push_back({x[sign], partner, colour});
+      }
     }
   }
   return factors;
@@ -79,18 +73,18 @@ Factors factors_of(const Lamp& lamp, const Slide& slide, const Bench& bench, con
 
 std::vector<Plane> screen_irradiance(const Lamp& lamp, const Slide& slide, const Bench& bench, const ScreenGrid& grid,
                                      const Vec2& stage_mm, const std::vector<Eigen::Array3d>& bands) {
-  const Factors factors = factors_of(lamp, slide, bench, grid, stage_mm);
-  const Eigen::Index count = static_cast<Eigen::Index>(factors.x.size());
+  const std::vector<Factor> factors = factors_of(lamp, slide, bench, grid, stage_mm);
+  const Eigen::Index count = static_cast<Eigen::Index>(factors.size());
   Eigen::MatrixXf x(count, grid.columns), y(grid.rows, count);
   for (Eigen::Index c = 0; c < count; ++c) {
-    x.row(c) = factors.x[c].cast<float>();
-    y.col(c) = factors.y[c].cast<float>();
+    x.row(c) = factors[c].x.cast<float>();
+    y.col(c) = factors[c].y.cast<float>();
   }
 
   std::vector<Plane> planes;
   for (const Eigen::Array3d& band : bands) {
     Eigen::MatrixXf weighted = x;
-    for (Eigen::Index c = 0; c < count; ++c) weighted.row(c) *= static_cast<float>((band * factors.colour[c]).sum());
+    for (Eigen::Index c = 0; c < count; ++c) weighted.row(c) *= static_cast<float>((band * factors[c].colour).sum());
     planes.push_back(Plane::Zero(grid.rows, grid.columns));
     if (count > 0) planes.back().noalias() = y * weighted;
   }
@@ -103,15 +97,11 @@ namespace {
 void blur(Plane& image, float variance) {
   const float side = variance / 2, middle = 1 - variance;
   const Eigen::Index w = image.cols(), h = image.rows();
-  Plane turned(h, w);
-  turned.middleCols(1, w - 2) =
-      side * (image.leftCols(w - 2) + image.rightCols(w - 2)) + middle * image.middleCols(1, w - 2);
-  turned.col(0) = (side + middle) * image.col(0) + side * image.col(1);
-  turned.col(w - 1) = (side + middle) * image.col(w - 1) + side * image.col(w - 2);
-  image.middleRows(1, h - 2) =
-      side * (turned.topRows(h - 2) + turned.bottomRows(h - 2)) + middle * turned.middleRows(1, h - 2);
-  image.row(0) = (side + middle) * turned.row(0) + side * turned.row(1);
-  image.row(h - 1) = (side + middle) * turned.row(h - 1) + side * turned.row(h - 2);
+  Plane wider(h, w + 2), higher(h + 2, w);
+  wider << image.col(0), image, image.col(w - 1);
+  image = middle * image + side * (wider.leftCols(w) + wider.rightCols(w));
+  higher << image.row(0), image, image.row(h - 1);
+  image = middle * image + side * (higher.topRows(h) + higher.bottomRows(h));
 }
 
 }  // namespace

@@ -36,6 +36,14 @@ Slide::Slide(const FilterSlide& filter) : filter_(filter), dual_(filter.basis, f
   }
 }
 
+Slide Slide::none(const FilterSlide& filter) {
+  Slide none(filter);
+  none.taken_out_ = true;
+  none.filter_.passes = {{"open", {0, 0}, 1}};
+  none.pieces_ = {{-INFINITY, INFINITY, true}};
+  return none;
+}
+
 double Slide::transmission(const FilterPass& pass, const Vec2& offset_mm) const {
   const double value = f(offset_mm.x() / filter_.spacing_mm.x()) * f(offset_mm.y() / filter_.spacing_mm.y());
   return std::max(0.0, value / pass.scale);
@@ -56,9 +64,6 @@ int cells_needed(double lamp_mm, double spacing_mm, int window) {
   return static_cast<int>(std::ceil(lamp_mm / spacing_mm + window - 1e-9));
 }
 
-namespace {
-
-/// Half the grid of cells, mm.
 Vec2 half_grid_mm(const Bench& bench) {
   Vec2 half;
   for (int axis = 0; axis < 2; ++axis) {
@@ -67,8 +72,6 @@ Vec2 half_grid_mm(const Bench& bench) {
   }
   return half;
 }
-
-}  // namespace
 
 void lay_out_slide(Bench& bench) {
   FilterSlide& filter = bench.filter;

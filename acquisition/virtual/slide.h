@@ -12,6 +12,8 @@ namespace lumifield::virtual_bench {
 class Slide {
  public:
   explicit Slide(const FilterSlide& filter);
+  /// No slide: all light passes, in one pass.
+  static Slide none(const FilterSlide& filter);
 
   /// An interval, in spacings from the filter's centre, on which f keeps its sign and is one polynomial.
   struct Piece {
@@ -19,7 +21,7 @@ class Slide {
     bool positive;
   };
   const std::vector<Piece>& pieces() const { return pieces_; }
-  double f(double x) const { return dual_(x); }
+  double f(double x) const { return taken_out_ ? 1 : dual_(x); }
   const FilterSlide& filter() const { return filter_; }
 
   /// Transmission of a pass' filter at `offset` mm from its centre.
@@ -28,6 +30,7 @@ class Slide {
  private:
   FilterSlide filter_;
   Dual dual_;
+  bool taken_out_ = false;
   std::vector<Piece> pieces_;
 };
 
@@ -41,6 +44,9 @@ Vec2 displacement_mm(const Bench& bench, const Vec2& stage_mm);
 
 /// ⌈lamp/spacing + window⌉ cells, centred on the lamp, hold every cell whose dual window touches it.
 int cells_needed(double lamp_mm, double spacing_mm, int window);
+
+/// From the axis to the centre of the outermost of those cells, mm.
+Vec2 half_grid_mm(const Bench& bench);
 
 /// Lays out slide and stage: passes and opaque patch far enough apart that only one filter stands before the lamp
 /// (offset ≥ half grid + half lamp + half window), the stage's frame, and limits that fit. Needs lamp_size_mm and the

@@ -137,34 +137,36 @@ std::vector<double> AxisIntegrand::projected_breaks() const {
 }
 
 /// (∫ f du, ∫ u f du) over [low, high].
-Vec2 moments(const AxisIntegrand& f, const GaussRule& rule, double low, double high) {
+Vec2 moments_of(const AxisIntegrand& f, const GaussRule& rule, double low, double high) {
   Vec2 sum(0, 0);
   rule.panels(low, high, high - low, [&](double u, double weight) { sum += weight * f(u) * Vec2(1, u); });
   return sum;
 }
 
-/// An axis' pieces with their moments.
-struct AxisMoments {
-  AxisMoments(const AxisIntegrand& f, const GaussRule& rule, std::vector<double> ends) : breaks(std::move(ends)) {
-    for (std::size_t b = 0; b + 1 < breaks.size(); ++b) {
-      pieces.push_back(moments(f, rule, breaks[b], breaks[b + 1]));
-      total += pieces.back();
-    }
+/// An axis' smooth pieces with their moments.
+struct AxisPieces {
+  AxisPieces(const AxisIntegrand& integrand, const GaussRule& r, const std::vector<double>& ends)
+      : f(integrand), rule(r), breaks(ends) {
+    for (std::size_t b = 0; b + 1 < breaks.size(); ++b)
+      moments.push_back(moments_of(f, rule, breaks[b], breaks[b + 1]));
   }
-  std::vector<double> breaks;
-  std::vector<Vec2> pieces;
-  Vec2 total{0, 0};
+  /// ∫ f max(0, α + β u) du.
+  double clipped(double alpha, double beta) const;
+
+  const AxisIntegrand& f;
+  const GaussRule& rule;
+  const std::vector<double>& breaks;
+  std::vector<Vec2> moments;
 };
 
-/// ∫ f max(0, α + β u) du.
-double clipped(const AxisIntegrand& f, const AxisMoments& m, const GaussRule& rule, double alpha, double beta) {
+double AxisPieces::clipped(double alpha, double beta) const {
   double sum = 0;
-  for (std::size_t b = 0; b < m.pieces.size(); ++b) {
-    const double at_low = alpha + beta * m.breaks[b], at_high = alpha + beta * m.breaks[b + 1];
+  for (std::size_t b = 0; b < moments.size(); ++b) {
+    const double at_low = alpha + beta * breaks[b], at_high = alpha + beta * breaks[b + 1];
     if (at_low <= 0 && at_high <= 0) continue;
-    Vec2 piece = m.pieces[b];
-    if (at_low < 0) piece = moments(f, rule, -alpha / beta, m.breaks[b + 1]);
-    if (at_high < 0) piece = moments(f, rule, m.breaks[b], -alpha / beta);
+    Vec2 piece = moments[b];
+    if (at_low < 0) piece = moments_of(f, rule, -alpha / beta, breaks[b + 1]);
+    if (at_high < 0) piece = moments_of(f, rule, breaks[b], -alpha / beta);
     sum += alpha * piece.x() + beta * piece.y();
   }
   return sum;
@@ -172,33 +174,25 @@ double clipped(const AxisIntegrand& f, const AxisMoments& m, const GaussRule& ru
 
 /// ∬ X Y max(0, n·(u−p)) of one term.
 double term_integral(const AxisIntegrand& x, const AxisIntegrand& y, const TruthPoint& at, const GaussRule& rule) {
-  const Vec3 &p = at.p_mm, &n = at.n;
-  std::vector<double> x_breaks = x.breaks(), y_breaks = y.breaks();
+  const Vec3& n = at.n;
+  const double constant = -n.dot(at.p_mm);
+  std::vector<double> x_breaks = x.breaks();
+  const std::vector<double> y_breaks = y.breaks();
   if (x_breaks.size() < 2 || y_breaks.size() < 2) return 0;
-  const double constant = -n.dot(p);
-  double lowest = constant, highest = constant;
-  for (const auto& [slope, breaks] : {std::pair{n.x(), &x_breaks}, {n.y(), &y_breaks}}) {
-    lowest += std::min(slope * breaks->front(), slope * breaks->back());
-    highest += std::max(slope * breaks->front(), slope * breaks->back());
-  }
-  if (highest <= 0) return 0;
-
-  const AxisMoments along_y(y, rule, y_breaks);
-  if (lowest >= 0) {
-    const AxisMoments along_x(x, rule, x_breaks);
-    return constant * along_x.total.x() * along_y.total.x() + n.x() * along_x.total.y() * along_y.total.x() +
-           n.y() * along_x.total.x() * along_y.total.y();
-  }
-
-  // The horizon crosses the term: the pieces of x also end where it meets an end of y's pieces.
   const double first = x_breaks.front(), last = x_breaks.back();
+  const auto highest = [](double slope, double low, double high) { return std::max(slope * low, slope * high); };
+  if (constant + highest(n.x(), first, last) + highest(n.y(), y_breaks.front(), y_breaks.back()) <= 0) return 0;
+
+  // Where the horizon crosses the term, the pieces of x also end where it meets an end of y's pieces.
   if (n.x() != 0)
     for (double b : y_breaks) x_breaks.push_back(-(constant + n.y() * b) / n.x());
   x_breaks = sorted_within(first, last, x_breaks);
+  const AxisPieces along_y(y, rule, y_breaks);
   double sum = 0;
   for (std::size_t b = 0; b + 1 < x_breaks.size(); ++b)
     rule.panels(x_breaks[b], x_breaks[b + 1], last - first, [&](double u, double weight) {
-      sum += weight * x(u) * clipped(y, along_y, rule, constant + n.x() * u, n.y());
+      const double inner = along_y.clipped(constant + n.x() * u, n.y());
+      if (inner != 0) sum += weight * x(u) * inner;
     });
   return sum;
 }

@@ -1,15 +1,19 @@
 #pragma once
 
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
+#include <thread>
 #include <vector>
 
-#include "luminaire/bench.h"
+#include "acquisition/virtual/photosites.h"
+#include "acquisition/virtual/screen.h"
 #include "luminaire/error.h"
-#include "luminaire/geometry.h"
-#include "luminaire/raw_image.h"
 
 namespace lumifield::virtual_bench {
 
@@ -38,15 +42,14 @@ Status check(const WorldOptions& options);
 class World {
  public:
   static Result<std::unique_ptr<World>> create(const WorldOptions& options);
-  ~World();
 
   /// The bench as an operator would have measured and written it down; addresses and device paths are left empty.
-  const Bench& bench() const;
+  const Bench& bench() const { return bench_; }
 
   /// The stage is on its way to q: the image there is computed meanwhile. The last few positions are kept.
   void prepare(const Vec2& stage_mm);
   /// Waits until the image of this position is computed.
-  void wait_ready(const Vec2& stage_mm);
+  void wait_ready(const Vec2& stage_mm) { wait(stage_mm); }
 
   /// DN of one frame, row-major, right-aligned in 16 bits. The noise is a hash of (seed, stage position in steps of 1
   /// µm, exposure, gain, pixel), so that a retake repeats it. At most 15 ms at 1024×768 once the position is ready;
@@ -54,13 +57,44 @@ class World {
   void expose(const Vec2& stage_mm, double exposure_s, double gain_db, int width_px, int height_px, int offset_x_px,
               int offset_y_px, std::span<std::uint16_t> dn);
 
-  /// Knobs that act from the next image on: noise 0|1, lamp_drift (relative change of the lamp per hour).
+  /// Knobs that act from the next image on, whatever the bench file says: noise 0|1, optics 0|1, filter 0|1 (0: no
+  /// slide before the lamp), lamp_drift (relative change of the lamp per hour).
   Status set(const std::string& knob, double value);
 
  private:
-  struct Impl;
-  explicit World(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  using Clock = std::chrono::steady_clock;
+  /// What a noise-free image depends on. The stage is in steps of 1 µm.
+  struct View {
+    std::int64_t x_um, y_um;
+    bool optics, filter;
+    bool operator==(const View&) const = default;
+  };
+  /// Electrons per second of every pixel.
+  using Frame = std::shared_ptr<const std::vector<float>>;
+
+  explicit World(const WorldOptions& options);
+  View view_of(const Vec2& stage_mm) const;
+  Frame render(const View& view) const;
+  void work(std::stop_token stop);
+  Frame find(const View& view) const;
+  void want(const View& view);
+  std::pair<View, Frame> wait(const Vec2& stage_mm);
+
+  const Lamp lamp_;
+  const Bench bench_;
+  const Slide slide_, no_slide_;
+  const ScreenGrid grid_;
+  const LensMap pinhole_, lens_;
+  const Photosites photosites_;
+
+  std::mutex mutex_;  // guards what follows, but the thread
+  std::condition_variable_any changed_;
+  std::deque<View> wanted_;
+  std::deque<std::pair<View, Frame>> frames_;
+  bool noise_, optics_, filter_ = true;
+  double drift_per_hour_ = 0;
+  Clock::time_point drift_start_ = Clock::now();
+  std::jthread worker_;  // the last, so that it ends before what it uses
 };
 
 /// A point and unit normal in the luminaire frame; E in W/m² in the bands R, G, B and in the mono camera's band Y.

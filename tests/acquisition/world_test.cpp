@@ -248,6 +248,24 @@ TEST(World, PixelsSeeTheScreen) {
   }
 }
 
+/// The lens taken off and the slide out: a pinhole before the bare lamp.
+TEST(World, SwitchesLensAndSlideOff) {
+  const auto world = World::create({});
+  ASSERT_TRUE(world);
+  for (const char* knob : {"noise", "optics", "filter"}) ASSERT_TRUE((*world)->set(knob, 0));
+  const Bench& bench = (*world)->bench();
+  const auto dn = frame_of(**world, stage_for(bench, Vec2(40, 0), bench.filter.passes[0]), 4e-4);
+  const LensMap map = make_lens_map(with_optics(bench.camera_model, false), 150);
+  for (const std::size_t p : {std::size_t(384) * 1024 + 512, std::size_t(300) * 1024 + 430}) {
+    EXPECT_EQ(map.illumination[p], 1);
+    const Eigen::Array3d e = brute_force(*make_lamp("bike"), map.screen_mm[p].cast<double>(), [](Vec2) { return 1.0; });
+    const double electrons = 4e-4 * (e * kMonoWeights).sum() * bench.sensor.responsivity[0];
+    EXPECT_GT(electrons, 50);
+    const double expected = bench.sensor.black_level_dn + bench.sensor.gain_dn_per_e * electrons;
+    EXPECT_NEAR(dn[p], expected, 0.002 * expected + 1);
+  }
+}
+
 TEST(World, RepeatsAFrameAndNoOther) {
   const auto world = World::create({});
   WorldOptions other_seed;
@@ -323,6 +341,12 @@ TEST(World, TurnsItsKnobs) {
   EXPECT_GT(sum(), 1.05 * steady);
   ASSERT_TRUE((*world)->set("lamp_drift", 0));
   EXPECT_EQ(sum(), steady);
+  for (const char* knob : {"optics", "filter"}) {
+    ASSERT_TRUE((*world)->set(knob, 0));
+    EXPECT_NE(sum(), steady) << knob;
+    ASSERT_TRUE((*world)->set(knob, 1));
+    EXPECT_EQ(sum(), steady) << knob;
+  }
   EXPECT_FALSE((*world)->set("noise", 2));
   EXPECT_FALSE((*world)->set("lamp_drift", std::nan("")));
   EXPECT_FALSE((*world)->set("weather", 1));
@@ -349,7 +373,8 @@ TEST(Photosites, NoiseHasTheModelsMeanAndVariance) {
   sensor.gain_dn_per_e = 6.4;
   sensor.read_noise_e = 4;
   const std::size_t n = static_cast<std::size_t>(640) * 480;
-  const Photosites photosites(sensor, 65535, 640, 480, 7);
+  sensor.saturation_dn = 65535;
+  const Photosites photosites(sensor, 640, 480, 7);
   std::vector<std::uint16_t> dn(n);
   for (double electrons : {30.0, 400.0, 4000.0})
     for (double gain_db : {0.0, 6.0}) {
