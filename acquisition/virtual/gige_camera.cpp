@@ -10,8 +10,8 @@
 #include <cmath>
 #include <condition_variable>
 #include <cstring>
+#include <map>
 #include <mutex>
-#include <optional>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <thread>
@@ -33,12 +33,9 @@ constexpr guint32 kVendor = 0x48, kModel = 0x68, kNameBytes = 32, kSerialBytes =
 constexpr guint16 kGvcpPort = 3956;
 constexpr double kExposureMin_us = 10, kExposureMax_us = 1e7;
 
-std::optional<ArvPixelFormat> format_code(const std::string& name) {
-  if (name == "Mono12") return ARV_PIXEL_FORMAT_MONO_12;
-  if (name == "Mono16") return ARV_PIXEL_FORMAT_MONO_16;
-  if (name == "BayerRG12") return ARV_PIXEL_FORMAT_BAYER_RG_12;
-  return std::nullopt;
-}
+const std::map<std::string, ArvPixelFormat> kFormats = {{"Mono12", ARV_PIXEL_FORMAT_MONO_12},
+                                                        {"Mono16", ARV_PIXEL_FORMAT_MONO_16},
+                                                        {"BayerRG12", ARV_PIXEL_FORMAT_BAYER_RG_12}};
 
 // The simulator says that it runs when its port is taken: this asks the kernel first.
 Status check_address(const std::string& address) {
@@ -74,8 +71,6 @@ int open_description() {
 struct GigeCamera::Impl {
   GigeCameraOptions options;
   Sight sight;
-  ArvGvFakeCamera* server = nullptr;
-  ArvFakeCamera* camera = nullptr;
   std::atomic<bool> frozen = false;
   std::atomic<std::uint64_t> sent = 0;
 
@@ -83,15 +78,11 @@ struct GigeCamera::Impl {
   std::condition_variable read_out;
   Exposure latched;      // guarded by mutex
   bool pending = false;  // guarded by mutex: released, not yet read out
-  std::jthread exposure_thread;
 
-  ~Impl() {
-    if (exposure_thread.joinable()) {
-      exposure_thread.request_stop();
-      exposure_thread.join();
-    }
-    if (server != nullptr) g_object_unref(server);
-  }
+  // The threads end first: the exposures, then the server, which asks for pixels.
+  std::unique_ptr<ArvGvFakeCamera, void (*)(void*)> server{nullptr, &g_object_unref};
+  ArvFakeCamera* camera = nullptr;
+  std::jthread exposure_thread;
 
   guint32 get(guint32 address) const {
     guint32 value = 0;
@@ -123,22 +114,23 @@ struct GigeCamera::Impl {
   void set_registers() {
     set_text(kVendor, kNameBytes, "Lumifield");
     set_text(kModel, kNameBytes, "Virtual");
-    const guint32 format = *format_code(options.pixel_format);
-    set(ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, guint32(options.width_px));
-    set(ARV_FAKE_CAMERA_REGISTER_SENSOR_HEIGHT, guint32(options.height_px));
-    set(ARV_FAKE_CAMERA_REGISTER_WIDTH, guint32(options.width_px));
-    set(ARV_FAKE_CAMERA_REGISTER_HEIGHT, guint32(options.height_px));
-    set(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT, format);
-    set(kSensorFormat, format);
-    set(kTriggerMode, 0);
-    set(kTriggerSource, 1);
+    const guint32 width = guint32(options.width_px), height = guint32(options.height_px);
+    const guint32 format = kFormats.at(options.pixel_format);
+    const std::pair<guint32, guint32> values[] = {{ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, width},
+                                                  {ARV_FAKE_CAMERA_REGISTER_SENSOR_HEIGHT, height},
+                                                  {ARV_FAKE_CAMERA_REGISTER_WIDTH, width},
+                                                  {ARV_FAKE_CAMERA_REGISTER_HEIGHT, height},
+                                                  {ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT, format},
+                                                  {kSensorFormat, format},
+                                                  {kTriggerMode, 0},
+                                                  {kTriggerSource, 1},
+                                                  {kStreamPacketSize, 8192},
+                                                  // The simulator's own: triggered by the exposure thread only.
+                                                  {ARV_FAKE_CAMERA_REGISTER_TRIGGER_MODE, 1},
+                                                  {ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOURCE, 1}};
+    for (const auto& [address, value] : values) set(address, value);
     set_double(kExposureTime, 10000);
     set_double(kGain, 0);
-    set(kStreamPacketSize, 8192);
-
-    // The simulator itself is always triggered, and only by the exposure thread.
-    set(ARV_FAKE_CAMERA_REGISTER_TRIGGER_MODE, 1);
-    set(ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOURCE, 1);
     arv_fake_camera_set_trigger_frequency(camera, 1000);
   }
 
@@ -155,19 +147,11 @@ struct GigeCamera::Impl {
     exposure.offset_y_px = int(get(ARV_FAKE_CAMERA_REGISTER_Y_OFFSET));
     std::size_t bytes = 0;
     auto* dn = static_cast<std::uint16_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &bytes)));
-    const std::span image(dn, std::size_t(exposure.width_px) * std::size_t(exposure.height_px));
-    if (fits(exposure))
-      sight.expose(exposure, image);
-    else
-      std::ranges::fill(image, std::uint16_t(0));
+    sight.expose(exposure, {dn, std::size_t(exposure.width_px) * std::size_t(exposure.height_px)});
     ++sent;
     const std::lock_guard lock(mutex);
     pending = false;
     read_out.notify_all();
-  }
-  bool fits(const Exposure& e) const {
-    return e.width_px > 0 && e.height_px > 0 && e.offset_x_px >= 0 && e.offset_y_px >= 0 &&
-           e.width_px <= options.width_px - e.offset_x_px && e.height_px <= options.height_px - e.offset_y_px;
   }
 
   // Exposure thread.
@@ -209,7 +193,7 @@ struct GigeCamera::Impl {
 };
 
 Result<std::unique_ptr<GigeCamera>> GigeCamera::start(const GigeCameraOptions& options, Sight sight) {
-  if (!format_code(options.pixel_format))
+  if (!kFormats.contains(options.pixel_format))
     return fail("pixel format unknown", options.pixel_format, "give Mono12, Mono16 or BayerRG12");
   if (options.serial.empty() || options.serial.size() >= kSerialBytes)
     return fail("the serial number must have 1 to 15 characters", options.serial);
@@ -221,14 +205,14 @@ Result<std::unique_ptr<GigeCamera>> GigeCamera::start(const GigeCameraOptions& o
   auto impl = std::make_unique<Impl>();
   impl->options = options;
   impl->sight = std::move(sight);
-  impl->server = ARV_GV_FAKE_CAMERA(g_object_new(
+  impl->server.reset(ARV_GV_FAKE_CAMERA(g_object_new(
       ARV_TYPE_GV_FAKE_CAMERA, "interface-name", options.address.c_str(), "serial-number", options.serial.c_str(),
-      "genicam-filename", description_path.c_str(), "gvsp-lost-ratio", options.lost_packet_ratio, nullptr));
+      "genicam-filename", description_path.c_str(), "gvsp-lost-ratio", options.lost_packet_ratio, nullptr)));
   close(description);
-  if (!arv_gv_fake_camera_is_running(impl->server))
+  if (!arv_gv_fake_camera_is_running(impl->server.get()))
     return fail("no network interface of this machine has the address", options.address,
                 "give one that `ip addr` lists, or add it: ip addr add " + options.address + "/8 dev lo");
-  impl->camera = arv_gv_fake_camera_get_fake_camera(impl->server);
+  impl->camera = arv_gv_fake_camera_get_fake_camera(impl->server.get());
   impl->set_registers();
   const auto fill = [](ArvBuffer* buffer, void* self, guint32, guint32, ArvPixelFormat) {
     static_cast<Impl*>(self)->fill(buffer);

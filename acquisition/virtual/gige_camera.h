@@ -23,7 +23,8 @@ struct Exposure {
 struct Sight {
   std::function<Vec2()> stage_mm;
   std::function<void(const Vec2& stage_mm)> wait_ready;
-  std::function<void(const Exposure&, std::span<std::uint16_t> dn)> expose;
+  std::function<void(const Exposure&, std::span<std::uint16_t> dn)>
+      expose;  ///< any region, may reach beyond the sensor
 };
 
 struct GigeCameraOptions {

@@ -21,19 +21,33 @@ struct Client {
 };
 }  // namespace
 
+std::string turn(const KnobPanel& knobs, const std::string& line) {
+  const std::size_t space = line.find(' ');
+  if (space == std::string::npos) return "error: a line is `name value` or `get name`";
+  const std::string first = line.substr(0, space), second = line.substr(space + 1);
+  const bool asks = first == "get";
+  const auto knob = knobs.find(asks ? second : first);
+  if (knob == knobs.end() || (asks && !knob->second.get)) return "error: no such knob: " + (asks ? second : first);
+  if (asks) return knob->second.get();
+  if (!knob->second.set) return "error: " + first + " can only be read";
+  double value = 0;
+  const char* end = second.data() + second.size();
+  const auto [rest, fault] = std::from_chars(second.data(), end, value);
+  if (fault != std::errc() || rest != end || !std::isfinite(value)) return "error: not a number: " + second;
+  const Status set = knob->second.set(value);
+  return set ? "ok" : "error: " + set.error().message();
+}
+
 struct Knobs::Impl {
   std::filesystem::path path;
-  std::map<std::string, Knob> knobs;
+  KnobPanel knobs;
   int listener = -1;
   bool bound = false;
   std::vector<Client> clients;
   std::jthread thread;
 
   ~Impl() {
-    if (thread.joinable()) {
-      thread.request_stop();
-      thread.join();
-    }
+    thread = {};  // ends it
     for (const Client& client : clients) close(client.socket);
     if (listener >= 0) close(listener);
     if (bound) unlink(path.c_str());
@@ -75,33 +89,15 @@ struct Knobs::Impl {
     if (count <= 0) return false;
     client.line.append(bytes, std::size_t(count));
     for (std::size_t end; (end = client.line.find('\n')) != std::string::npos;) {
-      const std::string reply = obey(client.line.substr(0, end)) + "\n";
+      const std::string reply = turn(knobs, client.line.substr(0, end)) + "\n";
       client.line.erase(0, end + 1);
       if (send(client.socket, reply.data(), reply.size(), MSG_NOSIGNAL) < 0) return false;
     }
     return client.line.size() < kLineBytes;
   }
-
-  std::string obey(const std::string& line) {
-    const std::size_t space = line.find(' ');
-    if (space == std::string::npos) return "error: a line is `name value` or `get name`";
-    const bool asks = line.substr(0, space) == "get";
-    const std::string name = asks ? line.substr(space + 1) : line.substr(0, space);
-    const auto knob = knobs.find(name);
-    if (knob == knobs.end() || (asks && !knob->second.get)) return "error: no such knob: " + name;
-    if (asks) return knob->second.get();
-    if (!knob->second.set) return "error: " + name + " can only be read";
-    double value = 0;
-    const char* end = line.data() + line.size();
-    const auto [rest, fault] = std::from_chars(line.data() + space + 1, end, value);
-    if (fault != std::errc() || rest != end || !std::isfinite(value))
-      return "error: not a number: " + line.substr(space + 1);
-    const Status set = knob->second.set(value);
-    return set ? "ok" : "error: " + set.error().message();
-  }
 };
 
-Result<std::unique_ptr<Knobs>> Knobs::start(const std::filesystem::path& socket, std::map<std::string, Knob> knobs) {
+Result<std::unique_ptr<Knobs>> Knobs::start(const std::filesystem::path& socket, KnobPanel knobs) {
   auto impl = std::make_unique<Impl>();
   impl->path = socket;
   impl->knobs = std::move(knobs);

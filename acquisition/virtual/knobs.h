@@ -12,16 +12,21 @@ namespace lumifield::virtual_bench {
 
 /// A thing that a test turns or reads while the bench runs. Both functions are called on the knobs' thread.
 struct Knob {
-  std::function<Status(double)> set;
-  std::function<std::string()> get;  ///< may be absent
+  std::string values;                 ///< for people: "0|1"
+  std::function<Status(double)> set;  ///< either may be absent
+  std::function<std::string()> get;
 };
+using KnobPanel = std::map<std::string, Knob>;
 
-/// A Unix stream socket that takes lines: `name value` sets a knob and is answered `ok`, `get name` is answered with
-/// its value, everything else with `error: …`. Any number of clients; own thread.
+/// Does what a line says, and returns the answer: `name value` sets a knob and is answered `ok`, `get name` is answered
+/// with its value, everything else with `error: …`.
+std::string turn(const KnobPanel& knobs, const std::string& line);
+
+/// A Unix stream socket that takes such lines. Any number of clients; own thread.
 class Knobs {
  public:
   /// Errors: the socket cannot be made (path taken, too long, folder missing).
-  static Result<std::unique_ptr<Knobs>> start(const std::filesystem::path& socket, std::map<std::string, Knob> knobs);
+  static Result<std::unique_ptr<Knobs>> start(const std::filesystem::path& socket, KnobPanel knobs);
   ~Knobs();
 
  private:

@@ -1,12 +1,14 @@
 // lumifield-bench: the virtual camera and stage around a command, and the truth about its lamps.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <string>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -25,11 +27,17 @@ struct Options {
   WorldOptions world;
   GigeCameraOptions camera;
   GrblOptions stage;
-  std::string carries = "slide", filter, pixel_format, noise = "on", optics = "on", knobs;
+  std::string filter = "bell:7.5:4", carries = "slide", knobs, points, out;
   std::vector<std::string> command, set;
   bool projected = false;
   TruthGrid grid;
-  std::string points, out;
+};
+
+/// The world goes last: stage and camera look into it.
+struct Devices {
+  std::unique_ptr<World> world;
+  std::unique_ptr<GrblController> stage;
+  std::unique_ptr<GigeCamera> camera;
 };
 
 /// A folder under the system's temporary one, removed with all that it holds.
@@ -56,59 +64,39 @@ int report(const Error& error, int code = 1) {
   return code;
 }
 
-void add_world_options(CLI::App& app, Options& options) {
-  app.add_option("--lamp", options.world.lamp, "bike, headlight or led-array")
-      ->check(CLI::IsMember({"bike", "headlight", "led-array"}));
-  app.add_option("--filter", options.filter, "BASIS:SPACING_MM:WINDOW, for example bell:7.5:4");
-}
-
 // "bell:7.5:4"
 Status apply_filter(const std::string& text, WorldOptions& world) {
-  if (text.empty()) return {};
-  const std::size_t first = text.find(':'), second = text.find(':', first + 1);
-  char* spacing_end = nullptr;
-  char* window_end = nullptr;
-  const auto basis = basis_from_string(text.substr(0, first));
-  const double spacing = second == std::string::npos ? 0 : std::strtod(text.c_str() + first + 1, &spacing_end);
-  const long window = second == std::string::npos ? 0 : std::strtol(text.c_str() + second + 1, &window_end, 10);
-  if (!basis || second == std::string::npos || *spacing_end != ':' || *window_end != '\0' || !(spacing > 0) ||
-      spacing > 1000 || window < 1 || window > 64)
-    return fail("not a filter", "--filter " + text, "give BASIS:SPACING_MM:WINDOW, for example bell:7.5:4");
+  char basis_name[16], rest;
+  double spacing_mm = 0;
+  const int fields = std::sscanf(text.c_str(), "%15[^:]:%lf:%d%c", basis_name, &spacing_mm, &world.window, &rest);
+  const auto basis = basis_from_string(fields == 3 ? basis_name : "");
+  if (!basis) return fail("not a filter", "--filter " + text, "give BASIS:SPACING_MM:WINDOW, for example bell:7.5:4");
   world.basis = *basis;
-  world.spacing_mm = {spacing, spacing};
-  world.window = int(window);
-  return {};
+  world.spacing_mm = {spacing_mm, spacing_mm};
+  return check(world);
 }
 
-std::map<std::string, Knob> make_knobs(World& world, GigeCamera& camera, GrblController& stage) {
-  const auto act = [](auto action) { return Knob{[action](double value) { return action(value), Status(); }, {}}; };
-  std::map<std::string, Knob> knobs;
-  for (const char* name : {"noise", "lamp_drift"})
-    knobs[name] = {[&world, name](double value) { return world.set(name, value); }, {}};
-  knobs["lost_steps"] = act([&stage](double value) { stage.lose_steps(value); });
-  knobs["stuck_stage"] = act([&stage](double value) { stage.stick(value != 0); });
-  knobs["silent_stage"] = act([&stage](double value) { stage.silence(value != 0); });
-  knobs["stage_alarm"] = act([&stage](double value) { value != 0 ? stage.trip_limit() : void(); });
-  knobs["frozen_camera"] = act([&camera](double value) { camera.freeze(value != 0); });
-  knobs["frames"] = {{}, [&camera] { return std::to_string(camera.frames_sent()); }};
-  knobs["true_position"] = {{}, [&stage] {
-                              const Vec2 at = stage.true_position_mm();
-                              char text[64];
-                              std::snprintf(text, sizeof text, "%.6f %.6f", at.x(), at.y());
-                              return std::string(text);
-                            }};
+/// The knobs of devices that may not have been made yet.
+KnobPanel make_knobs(const Devices& bench) {
+  const auto fault = [](const char* values, auto act) {
+    return Knob{values, [act](double value) { return act(value), Status(); }, {}};
+  };
+  KnobPanel knobs{{"lost_steps", fault("mm per move", [&](double value) { bench.stage->lose_steps(value); })},
+                  {"stuck_stage", fault("0|1", [&](double value) { bench.stage->stick(value != 0); })},
+                  {"silent_stage", fault("0|1", [&](double value) { bench.stage->silence(value != 0); })},
+                  {"stage_alarm", fault("1", [&](double value) { value != 0 ? bench.stage->trip_limit() : void(); })},
+                  {"frozen_camera", fault("0|1", [&](double value) { bench.camera->freeze(value != 0); })},
+                  {"frames", {"read only", {}, [&] { return std::to_string(bench.camera->frames_sent()); }}},
+                  {"true_position", {"read only, mm", {}, [&] {
+                                       const Vec2 at = bench.stage->true_position_mm();
+                                       return std::to_string(at.x()) + " " + std::to_string(at.y());
+                                     }}}};
+  for (const auto& [name, values] : {std::pair{"noise", "0|1"},
+                                     {"optics", "0|1"},
+                                     {"filter", "0|1, 0: no slide"},
+                                     {"lamp_drift", "relative change per hour"}})
+    knobs[name] = {values, [&bench, name = name](double value) { return bench.world->set(name, value); }, {}};
   return knobs;
-}
-
-// "silent_stage=1"
-Status apply_setting(const std::string& text, const std::map<std::string, Knob>& knobs) {
-  const std::size_t equals = text.find('=');
-  const auto knob = knobs.find(text.substr(0, equals));
-  char* end = nullptr;
-  const double value = equals == std::string::npos ? 0 : std::strtod(text.c_str() + equals + 1, &end);
-  if (knob == knobs.end() || !knob->second.set || end == nullptr || end == text.c_str() + equals + 1 || *end != '\0')
-    return fail("not a knob and its value", "--set " + text, "give NAME=NUMBER, for example silent_stage=1");
-  return knob->second.set(value);
 }
 
 /// Runs the command with the signals of `handled`, blocked in this process, passed on to it. 128 + n when a signal n
@@ -136,7 +124,7 @@ int run_command(const std::vector<std::string>& command, const sigset_t& handled
   }
 }
 
-int run_bench(Options& options) {
+int run_bench(Options& options, Devices& devices, const KnobPanel& panel) {
   if (options.command.empty()) return report({"no command given", "", "lumifield-bench --lamp bike -- COMMAND…"}, 2);
   // All threads inherit this, so that only run_command sees these signals.
   sigset_t handled;
@@ -146,34 +134,39 @@ int run_bench(Options& options) {
 
   const TemporaryFolder folder;
   if (folder.path().empty()) return report({"no temporary folder can be made", "", "check TMPDIR"});
-  const auto world = World::create(options.world);
+  auto world = World::create(options.world);
   if (!world) return report(world.error());
-  Bench bench = (*world)->bench();
+  devices.world = std::move(*world);
+  Bench bench = devices.world->bench();
 
   // The stage reads 0 … travel, which holds the bench's limits.
   if (options.stage.path.empty()) options.stage.path = folder.path() / "stage";
   options.stage.travel_mm = bench.limits.high_mm;
-  const auto stage = GrblController::start(options.stage, [&](const Vec2& at) { (*world)->prepare(at); });
+  auto stage = GrblController::start(options.stage, [&](const Vec2& at) { devices.world->prepare(at); });
   if (!stage) return report(stage.error());
+  devices.stage = std::move(*stage);
 
   options.camera.pixel_format = options.world.pixel_format;
   options.camera.width_px = options.world.width_px;
   options.camera.height_px = options.world.height_px;
   options.camera.serial = "LF" + std::to_string(options.world.seed % 1'000'000);
-  const Sight sight{.stage_mm = [&] { return (*stage)->true_position_mm(); },
-                    .wait_ready = [&](const Vec2& at) { (*world)->wait_ready(at); },
-                    .expose =
-                        [&](const Exposure& e, std::span<std::uint16_t> dn) {
-                          (*world)->expose(e.stage_mm, e.exposure_s, e.gain_db, e.width_px, e.height_px, e.offset_x_px,
-                                           e.offset_y_px, dn);
-                        }};
-  const auto camera = GigeCamera::start(options.camera, sight);
+  const auto expose = [&](const Exposure& e, std::span<std::uint16_t> dn) {
+    devices.world->expose(e.stage_mm, e.exposure_s, e.gain_db, e.width_px, e.height_px, e.offset_x_px, e.offset_y_px,
+                          dn);
+  };
+  auto camera = GigeCamera::start(options.camera, {.stage_mm = [&] { return devices.stage->true_position_mm(); },
+                                                   .wait_ready = [&](const Vec2& at) { devices.world->wait_ready(at); },
+                                                   .expose = expose});
   if (!camera) return report(camera.error());
-  const std::map<std::string, Knob> all_knobs = make_knobs(**world, **camera, **stage);
-  for (const std::string& setting : options.set)
-    if (const Status set = apply_setting(setting, all_knobs); !set) return report(set.error(), 2);
+  devices.camera = std::move(*camera);
+
+  for (std::string setting : options.set) {
+    std::ranges::replace(setting, '=', ' ');
+    if (const std::string answer = turn(panel, setting); answer != "ok")
+      return report({answer, "--set " + setting, "give NAME=NUMBER of a knob that --help lists"}, 2);
+  }
   Result<std::unique_ptr<Knobs>> knobs;
-  if (!options.knobs.empty()) knobs = Knobs::start(options.knobs, all_knobs);
+  if (!options.knobs.empty()) knobs = Knobs::start(options.knobs, panel);
   if (!knobs) return report(knobs.error());
 
   bench.camera.address = options.camera.address;
@@ -187,30 +180,37 @@ int run_bench(Options& options) {
 
 int parse_and_run(int argc, char** argv) {
   Options options;
+  Devices devices;
+  const KnobPanel panel = make_knobs(devices);
+  std::string knob_names = "Knobs, for --set and --knobs:";
+  for (const auto& [name, knob] : panel) knob_names += "\n  " + name + " (" + knob.values + ")";
+
   CLI::App app("The virtual camera and stage of a light-source bench, around a command.", "lumifield-bench");
-  const CLI::IsMember on_off({"on", "off"});
-  add_world_options(app, options);
-  app.add_option("--seed", options.world.seed, "of the noise");
+  app.footer(knob_names);
+  app.option_defaults()->always_capture_default();
+  WorldOptions& world = options.world;
+  const auto of = [](std::set<std::string> names) { return CLI::IsMember(std::move(names)); };
+  app.add_option("--lamp", world.lamp, "what is measured")->check(of({"bike", "headlight", "led-array"}));
+  app.add_option("--filter", options.filter, "BASIS:SPACING_MM:WINDOW of the slide");
+  app.add_option("--seed", world.seed, "of the noise");
   app.add_option("--address", options.camera.address, "the camera's, of an interface of this machine");
-  app.add_option("--serial-path", options.stage.path, "where the stage's terminal is linked");
-  app.add_option("--knobs", options.knobs, "Unix socket that takes lines `name value`");
+  app.add_option("--serial-path", options.stage.path, "where the stage's terminal is linked; else a temporary path");
+  app.add_option("--knobs", options.knobs, "Unix socket that takes lines `NAME VALUE` and `get NAME`");
   app.add_option("--set", options.set, "NAME=VALUE of a knob from the start; may be repeated")->allow_extra_args(false);
-  app.add_option("--loss", options.camera.lost_packet_ratio, "share of stream packets lost")
-      ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--carries", options.carries, "slide or lamp")->check(CLI::IsMember({"slide", "lamp"}));
-  app.add_option("--pixel-format", options.pixel_format, "Mono12, Mono16 or BayerRG12")
-      ->check(CLI::IsMember({"Mono12", "Mono16", "BayerRG12"}));
-  app.add_option("--noise", options.noise)->check(on_off);
-  app.add_option("--optics", options.optics, "off: an ideal pinhole")->check(on_off);
+  app.add_option("--loss", options.camera.lost_packet_ratio, "share of stream packets lost")->check(CLI::Range(0., 1.));
+  app.add_option("--carries", options.carries, "what the stage moves")->check(of({"slide", "lamp"}));
+  CLI::Option* format = app.add_option("--pixel-format", world.pixel_format, "BayerRG12 is the led-array's default")
+                            ->check(of({"Mono12", "Mono16", "BayerRG12"}));
+  app.add_option("--noise", world.noise, "on or off: shot and read noise, dark current, hot pixels");
+  app.add_option("--optics", world.optics, "on or off: distortion, vignetting and blur; off is an ideal pinhole");
   app.add_option("--stage-speed", options.stage.rapid_mm_s, "mm/s")->check(CLI::Range(0.1, 1e4));
   app.add_option("--stage-acceleration", options.stage.acceleration_mm_s2, "mm/s²")->check(CLI::Range(0.1, 1e6));
   app.add_option("command", options.command, "what to run, after --");
-  CLI::App* truth = app.add_subcommand("truth", "irradiance at points, by quadrature of the lamp itself");
-  add_world_options(*truth, options);
-  CLI::Option* projected =
-      truth->add_flag("--projected", options.projected, "of the lamp projected on the filter's basis");
+  CLI::App* truth =
+      app.add_subcommand("truth", "irradiance at points by quadrature, of --lamp behind --filter")->fallthrough();
+  CLI::Option* projected = truth->add_flag("--projected", options.projected, "of the lamp projected on the basis");
   for (auto& [name, count] : {std::pair{"--columns", &options.grid.columns}, {"--rows", &options.grid.rows}})
-    truth->add_option(name, *count, "of the plan's grid; else as many as touch the lamp")
+    truth->add_option(name, *count, "of the plan's grid; 0: as many as touch the lamp")
         ->check(CLI::Range(1, 1000))
         ->needs(projected);
   truth->add_option("--points", options.points, "CSV: x_mm,y_mm,z_mm,nx,ny,nz")->required();
@@ -221,14 +221,11 @@ int parse_and_run(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
 
-  if (const Status filter = apply_filter(options.filter, options.world); !filter) return report(filter.error(), 2);
-  options.world.carries = options.carries == "lamp" ? StageCarries::lamp : StageCarries::slide;
-  options.world.noise = options.noise == "on";
-  options.world.optics = options.optics == "on";
-  options.world.pixel_format = options.world.lamp == "led-array" ? "BayerRG12" : "Mono12";
-  if (!options.pixel_format.empty()) options.world.pixel_format = options.pixel_format;
-  if (!*truth) return run_bench(options);
-  const Status written = write_truth(options.world, options.projected, options.points, options.out, options.grid);
+  world.carries = options.carries == "lamp" ? StageCarries::lamp : StageCarries::slide;
+  if (const Status filter = apply_filter(options.filter, world); !filter) return report(filter.error(), 2);
+  if (format->empty() && world.lamp == "led-array") world.pixel_format = "BayerRG12";
+  if (!*truth) return run_bench(options, devices, panel);
+  const Status written = write_truth(world, options.projected, options.points, options.out, options.grid);
   return written ? 0 : report(written.error());
 }
 

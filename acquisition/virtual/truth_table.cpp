@@ -32,6 +32,7 @@ Result<TruthPoint> point_of(std::string_view line, const std::string& where) {
 
 Status write_truth(const WorldOptions& options, bool projected, const std::filesystem::path& points,
                    const std::filesystem::path& out, const TruthGrid& grid) {
+  if (Status possible = check(options); !possible) return possible;
   std::ifstream in(points);
   std::vector<std::string> lines;
   std::vector<TruthPoint> receivers;

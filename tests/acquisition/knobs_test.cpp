@@ -42,13 +42,14 @@ class KnobsTest : public testing::Test {
  protected:
   void SetUp() override {
     auto knobs = Knobs::start(path_, {{"gain",
-                                       {[this](double value) -> Status {
+                                       {"a number",
+                                        [this](double value) -> Status {
                                           if (value < 0) return fail("must not be negative", "gain");
                                           gain_ = value;
                                           return {};
                                         },
                                         [this] { return std::to_string(int(gain_)); }}},
-                                      {"frames", {{}, [] { return std::string("7"); }}}});
+                                      {"frames", {{}, {}, [] { return std::string("7"); }}}});
     ASSERT_TRUE(knobs) << knobs.error().message();
     knobs_ = std::move(*knobs);
   }

@@ -58,6 +58,12 @@ TEST_F(TruthTableTest, NamesTheLineThatIsWrong) {
   EXPECT_FALSE(write_truth({}, false, folder_ / "absent.csv", folder_ / "truth.csv"));
 }
 
+TEST_F(TruthTableTest, RefusesAWorldThatCannotBe) {
+  std::ofstream(folder_ / "points.csv") << "x_mm,y_mm,z_mm,nx,ny,nz\n0,0,500,0,0,-1\n";
+  EXPECT_FALSE(write_truth({.window = 20}, false, folder_ / "points.csv", folder_ / "truth.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "truth.csv"));
+}
+
 TEST_F(TruthTableTest, SaysThatItCannotWrite) {
   ASSERT_TRUE(write("x_mm,y_mm,z_mm,nx,ny,nz\n0,0,500,0,0,-1\n"));
   EXPECT_FALSE(write_truth({}, false, folder_ / "points.csv", folder_ / "absent" / "truth.csv"));
