@@ -90,6 +90,8 @@ class DatasetWriter {
   Status close();
   /// Replaces the manifest's provenance, written by close().
   void set_provenance(std::string json_object);
+  /// Replaces it on disk: durable when this returns, with all cells so far. The writer may go on.
+  Status record_provenance(std::string json_object);
 
   const std::filesystem::path& folder() const { return folder_; }
   /// Its cells are the valid ones, one entry each, in row-major order.

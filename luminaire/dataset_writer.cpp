@@ -213,6 +213,11 @@ Result<CellEntry> DatasetWriter::add(CellIndex cell, const CellImage& image, con
 
 void DatasetWriter::set_provenance(std::string json_object) { manifest_.provenance_json = std::move(json_object); }
 
+Status DatasetWriter::record_provenance(std::string json_object) {
+  set_provenance(std::move(json_object));
+  return close();
+}
+
 Status DatasetWriter::close() {
   const auto provenance = JsonDocument::parse(manifest_.provenance_json, "provenance");
   if (!provenance) return tl::unexpected(provenance.error());

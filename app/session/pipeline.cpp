@@ -26,6 +26,7 @@ class QueueSink : public ScanSink {
   void cell(RawCell raw) override { pipeline_.raw.push(std::move(raw)); }
   void reference(const ReferenceReading& reading) override {
     outcome_.references.push_back(reading);
+    pipeline_.tell_reading(reading);
     pipeline_.events.push(reading);
   }
   void progress(const ScanProgress& progress) override { pipeline_.events.try_push(progress); }
@@ -99,10 +100,12 @@ Status develop(Developer& developer, Pipeline& pipeline, std::vector<double>& de
   return {};
 }
 
-Status store(DatasetWriter& writer, const std::vector<std::string>& notes, Pipeline& pipeline,
-             std::vector<double>& store_s) {
+Status store(DatasetWriter& writer, const std::vector<std::string>& notes, const std::function<Status()>& record,
+             Pipeline& pipeline, std::vector<double>& store_s) {
   for (const std::string& note : notes) pipeline.events.push(Notice{note});
-  while (auto cell = pipeline.developed.pop()) {
+  for (bool first = true; auto cell = pipeline.developed.pop(); first = false) {
+    if (first)
+      if (Status recorded = record(); !recorded) return recorded;
     const auto start = Clock::now();
     Result<CellEntry> entry = writer.add(cell->cell, cell->image, cell->stage_mm);
     store_s.push_back(seconds_since(start));
@@ -163,6 +166,16 @@ std::optional<Error> Pipeline::error() const {
   return error_;
 }
 
+void Pipeline::tell_reading(const ReferenceReading& reading) {
+  std::lock_guard lock(mutex_);
+  if (!first_reading_) first_reading_ = reading;
+}
+
+std::optional<ReferenceReading> Pipeline::first_reading() const {
+  std::lock_guard lock(mutex_);
+  return first_reading_;
+}
+
 void run_bench(const ScanRequest& request, const ScanPlan& steps, const std::optional<ReferenceReading>& first,
                Pipeline& pipeline, BenchOutcome& outcome) {
   Status status = guarded("bench", [&] { return scan(request, steps, first, pipeline, outcome); });
@@ -181,9 +194,9 @@ void run_develop(Developer& developer, Pipeline& pipeline, std::vector<double>& 
   pipeline.developed.close();
 }
 
-void run_store(DatasetWriter& writer, const std::vector<std::string>& notes, Pipeline& pipeline,
-               std::vector<double>& store_s, bool& failed) {
-  Status status = guarded("store", [&] { return store(writer, notes, pipeline, store_s); });
+void run_store(DatasetWriter& writer, const std::vector<std::string>& notes, const std::function<Status()>& record,
+               Pipeline& pipeline, std::vector<double>& store_s, bool& failed) {
+  Status status = guarded("store", [&] { return store(writer, notes, record, pipeline, store_s); });
   failed = !status;
   if (!status) pipeline.fail(std::move(status).error());
   pipeline.developed.close();

@@ -30,7 +30,7 @@ struct StoredCell {
   std::shared_ptr<const CellImage> image;
 };
 
-/// The queues and the one place where the first failure of any stage is kept. Thread-safe.
+/// The queues, and the one place where the first failure of any stage and the first reading are kept. Thread-safe.
 class Pipeline {
  public:
   BoundedQueue<RawCell> raw{2};
@@ -42,6 +42,9 @@ class Pipeline {
   /// Keeps the first error and has the bench end and park. A later fault becomes a notice.
   void fail(Error error);
   std::optional<Error> error() const;
+  /// Keeps the first reading of the reference cell. The bench tells it before it hands on a cell.
+  void tell_reading(const ReferenceReading& reading);
+  std::optional<ReferenceReading> first_reading() const;
   /// By the operator: the stage halts where it is.
   void request_stop() { stop_.request_stop(); }
   std::stop_token stop_token() const { return stop_.get_token(); }
@@ -51,6 +54,7 @@ class Pipeline {
   std::stop_source stop_, abandon_;
   mutable std::mutex mutex_;
   std::optional<Error> error_;
+  std::optional<ReferenceReading> first_reading_;
 };
 
 /// What the bench thread finds out beside the cells.
@@ -68,10 +72,11 @@ void run_bench(const ScanRequest& request, const ScanPlan& steps, const std::opt
 
 void run_develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings);
 
-/// Hands `notes` to the operator, then stores. `failed` tells that the disk refused a cell: the dataset is left as it
-/// is, journal and all. What it hands on has no variance.
-void run_store(DatasetWriter& writer, const std::vector<std::string>& notes, Pipeline& pipeline,
-               std::vector<double>& store_s, bool& failed);
+/// Hands `notes` to the operator, then stores. `record` makes durable what the cells refer to; it is called once,
+/// before the first cell is stored. `failed` tells that the disk refused either: the dataset is left as it is, journal
+/// and all. What it hands on has no variance.
+void run_store(DatasetWriter& writer, const std::vector<std::string>& notes, const std::function<Status()>& record,
+               Pipeline& pipeline, std::vector<double>& store_s, bool& failed);
 
 /// With a renderer: adds each cell and makes a picture when the next of `shares` of `total` cells is in; `already`
 /// cells were added before. Without one it lets the cells pass. A preview that fails ends with a notice; the scan goes

@@ -19,12 +19,16 @@ void add_end(Json& json, const ScanSummary& summary) {
                       {"exposure", t.exposure_s}, {"readout", t.readout_s}, {"waiting", t.waiting_s},
                       {"other", t.other_s},       {"paused", t.paused_s}};
   json["frames_retaken"] = summary.frames_retaken;
-  json["reference"] = Json::array();
-  for (const ReferenceReading& reading : summary.references)
-    json["reference"].push_back({{"cells_done", reading.cells_done},
-                                 {"signal_dn_per_s", reading.signal_dn_per_s},
-                                 {"exposure_s", reading.exposure_s},
-                                 {"drift", reading.drift}});
+}
+
+Json json_of(const std::vector<ReferenceReading>& readings) {
+  Json json = Json::array();
+  for (const ReferenceReading& reading : readings)
+    json.push_back({{"cells_done", reading.cells_done},
+                    {"signal_dn_per_s", reading.signal_dn_per_s},
+                    {"exposure_s", reading.exposure_s},
+                    {"drift", reading.drift}});
+  return json;
 }
 
 }  // namespace
@@ -39,11 +43,12 @@ std::string utc_now() {
 }
 
 std::string provenance_json(const std::string& earlier, const ScanRequest& request, const std::string& started_utc,
-                            const ScanSummary* ended) {
+                            const std::vector<ReferenceReading>& readings, const ScanSummary* ended) {
   Json json;
   json["program"] = "lumifield " LUMIFIELD_VERSION;
   json["started"] = started_utc;
   if (ended) add_end(json, *ended);
+  json["reference"] = json_of(readings);
   json["bench"] = Json::parse(to_json(request.bench));
   json["plan"] = Json::parse(to_json(request.plan));
 

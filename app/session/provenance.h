@@ -6,11 +6,11 @@
 
 namespace lumifield {
 
-/// What a dataset keeps of its making, one JSON object: `scans`, each with program, bench, plan, and once it has ended,
-/// with devices, times, reference readings. Adds one scan to `earlier`, the object before it; `ended` is null while the
-/// scan runs. Text of a device that is not UTF-8 is kept with replacement characters.
+/// What a dataset keeps of its making, one JSON object: `scans`, each with program, bench, plan, the readings of the
+/// reference cell so far, and once it has ended, with devices and times. Adds one scan to `earlier`, the object before
+/// it; `ended` is null while the scan runs. Text of a device that is not UTF-8 is kept with replacement characters.
 std::string provenance_json(const std::string& earlier, const ScanRequest& request, const std::string& started_utc,
-                            const ScanSummary* ended);
+                            const std::vector<ReferenceReading>& readings, const ScanSummary* ended);
 
 /// "2026-01-31T12:34:56Z"
 std::string utc_now();

@@ -33,6 +33,7 @@ struct ScanSession::Impl {
   Status open_dataset();
   Status create_dataset();
   Status resume_dataset();
+  Status record_first_reading();
   Status start_renderer();
   Status prepare_renderer(std::unique_ptr<Renderer>& renderer);
   void render_thread(std::promise<Status> ready);
@@ -84,7 +85,7 @@ Status ScanSession::Impl::create_dataset() {
   Manifest manifest;
   manifest.geometry = developer.geometry();
   manifest.name = request.name.empty() ? request.out.stem().string() : request.name;
-  manifest.provenance_json = provenance_json(earlier, request, started_utc, nullptr);
+  manifest.provenance_json = provenance_json(earlier, request, started_utc, {}, nullptr);
   Result<DatasetWriter> opened = DatasetWriter::create(request.out, std::move(manifest));
   if (!opened) return tl::unexpected(opened.error());
   writer.emplace(std::move(*opened));
@@ -108,6 +109,14 @@ Status ScanSession::Impl::resume_dataset() {
   if (!first && !writer->manifest().cells.empty())
     notes.push_back("the dataset's first reading of the reference cell is not on record: its drift begins anew");
   return {};
+}
+
+/// The drift of every cell refers to the dataset's first reading, so it is on disk before the first of them: a scan
+/// that is killed can be gone on with.
+Status ScanSession::Impl::record_first_reading() {
+  const std::optional<ReferenceReading> reading = pipeline.first_reading();
+  if (first || !reading) return {};
+  return writer->record_provenance(provenance_json(earlier, request, started_utc, {*reading}, nullptr));
 }
 
 /// Makes the renderer and gives it the cells that are stored.
@@ -151,7 +160,10 @@ Status ScanSession::Impl::start_renderer() {
 }
 
 void ScanSession::Impl::run() {
-  store_thread = std::thread([this] { run_store(*writer, notes, pipeline, summary.times.store_s, store_failed); });
+  store_thread = std::thread([this] {
+    const auto record = [this] { return record_first_reading(); };
+    run_store(*writer, notes, record, pipeline, summary.times.store_s, store_failed);
+  });
   develop_thread =
       std::thread([this] { run_develop(developer, pipeline, summary.times.develop_s, summary.cells_with_warnings); });
   bench_thread = std::thread([this] {
@@ -185,7 +197,7 @@ Status ScanSession::Impl::close_dataset() {
   if (!summary.times.store_s.empty()) {
     // The cells are worth more than the record of their making.
     const auto record = guarded("provenance", [&]() -> Result<std::string> {
-      return provenance_json(earlier, request, started_utc, &summary);
+      return provenance_json(earlier, request, started_utc, summary.references, &summary);
     });
     if (record) writer->set_provenance(*record);
     const Status closed = writer->close();

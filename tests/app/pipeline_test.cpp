@@ -42,6 +42,7 @@ class PipelineTest : public testing::Test {
   Plan plan_ = test::synthetic_plan();
   fs::path folder_ = fs::path(testing::TempDir()) / ("pipeline_" + std::to_string(getpid()) + ".lumi");
   Pipeline pipeline_;
+  std::function<Status()> nothing_ = [] { return Status{}; };
 };
 
 TEST(Guarded, TurnsExceptionsIntoErrors) {
@@ -97,7 +98,7 @@ TEST_F(PipelineTest, ACellThatCannotBeStoredClosesBothSides) {
   ASSERT_TRUE(pipeline_.developed.push({{7, 7}, image(), {0, 0}}));
   std::vector<double> times;
   bool failed = false;
-  run_store(*writer, {}, pipeline_, times, failed);
+  run_store(*writer, {}, nothing_, pipeline_, times, failed);
   EXPECT_TRUE(failed);
   ASSERT_TRUE(pipeline_.error());
   EXPECT_THAT(pipeline_.error()->where, HasSubstr("cell (7, 7)"));
@@ -112,13 +113,53 @@ TEST_F(PipelineTest, StoresTellsTheNotesAndHandsOnWithoutVariance) {
   pipeline_.developed.close();
   std::vector<double> times;
   bool failed = false;
-  run_store(*writer, {"a torn line", "a damaged file"}, pipeline_, times, failed);
+  run_store(*writer, {"a torn line", "a damaged file"}, nothing_, pipeline_, times, failed);
   EXPECT_FALSE(failed);
   const auto stored = pipeline_.stored.pop();
   ASSERT_TRUE(stored);
   EXPECT_EQ(stored->image->value, image().value);
   EXPECT_EQ(stored->image->variance.capacity(), 0U);
   EXPECT_EQ(notices(), (std::vector<std::string>{"a torn line", "a damaged file"}));
+}
+
+TEST_F(PipelineTest, RecordsOnceBeforeTheFirstCell) {
+  auto writer = create();
+  ASSERT_TRUE(writer) << writer.error().message();
+  ASSERT_TRUE(pipeline_.developed.push({{0, 1}, image(), {0, 0}}));
+  ASSERT_TRUE(pipeline_.developed.push({{1, 1}, image(), {0, 0}}));
+  pipeline_.developed.close();
+  std::vector<std::size_t> cells_at_record;
+  std::vector<double> times;
+  bool failed = false;
+  const auto record = [&]() -> Status {
+    cells_at_record.push_back(writer->manifest().cells.size());
+    return {};
+  };
+  run_store(*writer, {}, record, pipeline_, times, failed);
+  EXPECT_FALSE(failed);
+  EXPECT_EQ(cells_at_record, std::vector<std::size_t>{0});
+  EXPECT_EQ(writer->manifest().cells.size(), 2U);
+}
+
+TEST_F(PipelineTest, StoresNoCellWithoutItsRecord) {
+  auto writer = create();
+  ASSERT_TRUE(writer) << writer.error().message();
+  ASSERT_TRUE(pipeline_.developed.push({{0, 1}, image(), {0, 0}}));
+  std::vector<double> times;
+  bool failed = false;
+  run_store(
+      *writer, {}, [] { return fail("no space", "disk"); }, pipeline_, times, failed);
+  EXPECT_TRUE(failed);
+  EXPECT_EQ(pipeline_.error()->what, "no space");
+  EXPECT_TRUE(writer->manifest().cells.empty());
+  EXPECT_FALSE(pipeline_.developed.push({{1, 1}, image(), {0, 0}}));
+}
+
+TEST_F(PipelineTest, KeepsTheFirstReading) {
+  EXPECT_FALSE(pipeline_.first_reading());
+  pipeline_.tell_reading({0, 1000, 0, 0.01});
+  pipeline_.tell_reading({6, 1100, 0.1, 0.01});
+  EXPECT_EQ(pipeline_.first_reading()->signal_dn_per_s, 1000);
 }
 
 TEST_F(PipelineTest, WithoutARendererTheCellsPass) {

@@ -11,7 +11,8 @@ namespace {
 
 class PointsCsv : public testing::Test {
  protected:
-  std::filesystem::path file_ = std::filesystem::path(testing::TempDir()) / ("points_" + std::to_string(getpid()) + ".csv");
+  std::filesystem::path file_ =
+      std::filesystem::path(testing::TempDir()) / ("points_" + std::to_string(getpid()) + ".csv");
   Result<std::vector<Receiver>> read(const std::string& text) {
     std::ofstream(file_) << text;
     return read_points_csv(file_);

@@ -43,7 +43,7 @@ class ScanSessionTest : public testing::Test {
   void scan_before() {
     Manifest manifest;
     manifest.geometry = luminaire_geometry(request_.bench, request_.plan);
-    manifest.provenance_json = provenance_json("{}", request_, "2026-01-31T12:34:56Z", nullptr);
+    manifest.provenance_json = provenance_json("{}", request_, "2026-01-31T12:34:56Z", {}, nullptr);
     auto writer = DatasetWriter::create(folder_, std::move(manifest));
     ASSERT_TRUE(writer) << writer.error().message();
     CellImage image;
@@ -128,7 +128,7 @@ TEST_F(ScanSessionTest, RefusesToResumeWithAnotherMeasurement) {
 }
 
 TEST_F(ScanSessionTest, AddressesNamesAndPatienceMayChange) {
-  const std::string record = provenance_json("{}", request_, "2026-01-31T12:34:56Z", nullptr);
+  const std::string record = provenance_json("{}", request_, "2026-01-31T12:34:56Z", {}, nullptr);
   request_.bench.name = "b", request_.bench.camera.address = "10.0.0.9", request_.bench.stage.path = "/dev/ttyACM1";
   request_.bench.tolerance_mm = 0.5, request_.bench.filter.passes[0].name = "p", request_.plan.settle_s = 3;
   request_.bench.sensor.responsivity_date = "2025-01-01", request_.plan.limits.median_snr = 1;
@@ -139,13 +139,15 @@ TEST_F(ScanSessionTest, AddressesNamesAndPatienceMayChange) {
 }
 
 TEST_F(ScanSessionTest, ProvenanceHasAnEndOnlyOnceThereIsOne) {
-  const std::string begun = provenance_json("{}", request_, "2026-01-31T12:34:56Z", nullptr);
+  const std::string begun = provenance_json("{}", request_, "2026-01-31T12:34:56Z", {}, nullptr);
   EXPECT_THAT(begun, testing::Not(testing::AnyOf(HasSubstr("\"ended\""), HasSubstr("timing_s"))));
   EXPECT_FALSE(first_reading(begun));
+  EXPECT_EQ(first_reading(provenance_json("{}", request_, "now", {{0, 99.5, 0, 0.002}}, nullptr))->exposure_s, 0.002);
   ScanSummary summary;
   summary.references = {{0, 1234.5, 0, 0.008}, {6, 1300, 0.05, 0.008}};
   summary.camera = "odd \xff name";
-  const std::string ended = provenance_json(R"({"scans":[{"started":3}],"by":"hand"})", request_, "now", &summary);
+  const std::string ended =
+      provenance_json(R"({"scans":[{"started":3}],"by":"hand"})", request_, "now", summary.references, &summary);
   const auto json = nlohmann::json::parse(ended);
   EXPECT_EQ(json["by"], "hand");
   EXPECT_EQ(json["scans"].size(), 2U);

@@ -248,7 +248,10 @@ TEST_F(DatasetFault, DyingAtAnyCallLosesNoDurableCell) {
   {
     Result<DatasetWriter> writer = create(dataset);
     ASSERT_TRUE(writer);
-    for (; durable < 3; ++durable) ASSERT_TRUE(add(*writer, durable));
+    for (; durable < 3; ++durable) {
+      ASSERT_TRUE(writer->record_provenance("{}"));
+      ASSERT_TRUE(add(*writer, durable));
+    }
     ASSERT_TRUE(writer->close());
   }
   stop();

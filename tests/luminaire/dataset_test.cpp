@@ -200,6 +200,20 @@ TEST_F(DatasetOnDisk, CloseRefusesProvenanceThatIsNoObject) {
   EXPECT_THAT(read_dataset(dataset_)->index.manifest.provenance_json, HasSubstr(R"("bench":{"name":"7"})"));
 }
 
+TEST_F(DatasetOnDisk, RecordsProvenanceAmidAScan) {
+  {
+    DatasetWriter writer = create();
+    add(writer, {0, 0}, 1);
+    ASSERT_TRUE(writer.record_provenance(R"({"by":"now"})"));
+    add(writer, {1, 2}, 2);
+  }
+  const Result<DatasetWriter> resumed = DatasetWriter::resume(dataset_, geometry_);
+  ASSERT_TRUE(resumed) << resumed.error().message();
+  EXPECT_EQ(resumed->manifest().provenance_json, R"({"by":"now"})");
+  EXPECT_EQ(resumed->manifest().cells.size(), 2U);
+  EXPECT_THAT(resumed->notes(), testing::IsEmpty());
+}
+
 TEST_F(DatasetOnDisk, ADamagedLastGenerationGivesWayToTheOneBefore) {
   DatasetWriter writer = create();
   add(writer, {0, 0}, 1);
