@@ -17,7 +17,7 @@
 namespace lumifield {
 namespace {
 
-constexpr const char* left_out = "surfaces are diffuse, and light passes through objects: no shadows";
+constexpr const char* left_out = "shadows, and all reflection but the diffuse";
 
 Status check_placements(const std::vector<ScenePlacement>& placements) {
   if (placements.empty())
@@ -151,8 +151,8 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
 
   auto impl = std::make_unique<Impl>();
   impl->info = {(*context)->description(), *opencl, std::move(mesh->notes)};
-  impl->info.notes.emplace_back(left_out);
-  if (scene.environment) impl->info.notes.emplace_back("the environment is not shown");
+  impl->info.notes.push_back(std::string("left out: ") + left_out);
+  if (scene.environment) impl->info.notes.emplace_back("left out: the environment");
   impl->context = std::move(*context);
   impl->pass = std::move(*pass);
   impl->materials = std::move(mesh->materials);

@@ -111,7 +111,7 @@ int run_scan(const ScanOptions& options) {
     if (const auto* progress = std::get_if<ScanProgress>(&*event)) line.show(*progress);
     if (const auto* notice = std::get_if<Notice>(&*event)) line.say(notice->text);
     if (const auto* made = std::get_if<PictureMade>(&*event)) {
-      line.say("picture with " + std::to_string(made->cells) + " cells; " + made->picture.note);
+      line.say("picture with " + std::to_string(made->cells) + " cells");
       if (Status written = write_pictures(*made, pictures, out.stem().string(), options.exposure); !written) {
         line.say("lumifield: " + written.error().message());
         picture_error = written.error();

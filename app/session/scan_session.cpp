@@ -136,7 +136,7 @@ Status ScanSession::Impl::prepare_renderer(std::unique_ptr<Renderer>& renderer) 
   const RendererInfo info = renderer->info();
   summary.opengl = info.opengl;
   summary.opencl = info.opencl;
-  notes.insert(notes.end(), info.notes.begin(), info.notes.end());
+  for (const std::string& note : info.notes) notes.push_back("preview: " + note);
   return {};
 }
 

@@ -148,7 +148,7 @@ TEST_F(RendererTest, EveryPixelIsTheClosedFormsAtItsPosition) {
     EXPECT_THAT(picture.coverage, Contains(0.0F)) << "the view has a background";
     for (std::size_t i = 0; i < picture.rgb.size(); ++i)
       EXPECT_TRUE(picture.coverage[i / 3] > 0 || picture.rgb[i] == 0);
-    EXPECT_THAT(picture.note, HasSubstr("no shadows"));
+    EXPECT_THAT(picture.note, HasSubstr("shadows"));
   }
 }
 
@@ -290,7 +290,7 @@ TEST_F(RendererTest, RefusesWhatDoesNotFit) {
   auto bare = Renderer::create(scene_, width, height);
   ASSERT_TRUE(bare);
   EXPECT_THAT(bare.value()->picture().error().message(), HasSubstr("no luminaire is set"));
-  EXPECT_THAT(bare.value()->info().notes, Contains(HasSubstr("no shadows")));
+  EXPECT_THAT(bare.value()->info().notes, Contains(HasSubstr("left out: shadows")));
   EXPECT_THAT(bare.value()->info().opengl, HasSubstr("OpenGL"));
   EXPECT_NE(bare.value()->info().opencl, "");
   auto renderer = renderer_of(scene_, geometry);
