@@ -1,0 +1,183 @@
+#include "app/views/cell_figures.h"
+
+#include <QCoreApplication>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "app/views/cell_marks.h"
+#include "app/views/value_text.h"
+
+namespace lumifield {
+
+namespace {
+
+constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
+
+QString tr(const char* text) { return QCoreApplication::translate("CellFigures", text); }
+
+double quality_value(CellFigure figure, const Quality& quality) {
+  switch (figure) {
+    case CellFigure::saturated:
+      return 100 * quality.saturated_share;
+    case CellFigure::starved:
+      return 100 * quality.starved_share;
+    case CellFigure::snr:
+      return quality.median_snr;
+    case CellFigure::position:
+      return quality.position_error_mm;
+    case CellFigure::drift:
+      return 100 * quality.drift;
+    case CellFigure::dark:
+      return quality.dark_dn;
+    case CellFigure::neighbours:
+    case CellFigure::total:
+      break;
+  }
+  return not_known;
+}
+
+}  // namespace
+
+QString figure_name(CellFigure figure) {
+  switch (figure) {
+    case CellFigure::saturated:
+      return tr("Saturated share");
+    case CellFigure::starved:
+      return tr("Starved share");
+    case CellFigure::snr:
+      return tr("Median SNR");
+    case CellFigure::position:
+      return tr("Position error");
+    case CellFigure::drift:
+      return tr("Drift");
+    case CellFigure::dark:
+      return tr("Dark level");
+    case CellFigure::neighbours:
+      return tr("Neighbour difference");
+    case CellFigure::total:
+      return tr("Total light");
+  }
+  return {};
+}
+
+QString figure_meaning(CellFigure figure) {
+  switch (figure) {
+    case CellFigure::saturated:
+      return tr("Pixels of S without any unsaturated exposure, in %");
+    case CellFigure::starved:
+      return tr("Pixels of S whose longest exposure lies within the read noise, in %");
+    case CellFigure::snr:
+      return tr("Median over the lit pixels of value over standard deviation, a plain number");
+    case CellFigure::position:
+      return tr("Commanded against read-back stage position, worst pass, in mm");
+    case CellFigure::drift:
+      return tr("Change of the reference cell since the scan began, in %");
+    case CellFigure::dark:
+      return tr("Mean of the dark set subtracted, longest exposure, in DN");
+    case CellFigure::neighbours:
+      return tr("Difference from the mean of the measured cells beside, above and below: 0 alike, 1 nothing in common");
+    case CellFigure::total:
+      return tr("Sum of C times the pixel's area over all pixels and channels");
+  }
+  return {};
+}
+
+QString figure_unit(CellFigure figure, Quantity quantity) {
+  switch (figure) {
+    case CellFigure::saturated:
+    case CellFigure::starved:
+    case CellFigure::drift:
+      return QStringLiteral("%");
+    case CellFigure::position:
+      return QStringLiteral("mm");
+    case CellFigure::dark:
+      return QStringLiteral("DN");
+    case CellFigure::total:
+      return unit_text(unit_of(quantity));
+    case CellFigure::snr:
+    case CellFigure::neighbours:
+      break;
+  }
+  return {};
+}
+
+ImageFigures figures_of(const CellImage& image) {
+  ImageFigures figures;
+  for (int c = 0; c < image.channels; ++c) {
+    const float* from = image.channel(c);
+    float largest = -std::numeric_limits<float>::infinity();
+    for (std::size_t k = 0; k < image.plane(); ++k) {
+      figures.sum += static_cast<double>(from[k]);
+      largest = std::max(largest, from[k]);
+    }
+    figures.largest.push_back(largest);
+  }
+  return figures;
+}
+
+const ImageFigures& CellFigures::image_figures(CellIndex cell, const std::shared_ptr<const CellImage>& image) const {
+  Looked& looked = looked_[cell];
+  if (looked.image != image) looked = {image, figures_of(*image)};
+  return looked.figures;
+}
+
+double CellFigures::value(CellFigure figure, CellIndex cell) const {
+  const LuminaireModel::Cell* known = model_.cell(cell);
+  if (!known || !model_.geometry()) return not_known;
+  if (figure == CellFigure::neighbours) return known->neighbour_difference;
+  if (figure == CellFigure::total)
+    return image_figures(cell, known->image).sum * model_.geometry()->measurement.pixel_mm.prod();
+  return known->entry.quality ? quality_value(figure, *known->entry.quality) : not_known;
+}
+
+QString CellFigures::text(CellFigure figure, CellIndex cell) const {
+  const double number = value(figure, cell);
+  const QString unit = model_.geometry() ? figure_unit(figure, model_.geometry()->quantity) : QString();
+  return std::isnan(number) || unit.isEmpty() ? value_text(number) : value_text(number) + u' ' + unit;
+}
+
+ValueScale CellFigures::scale(CellFigure figure) const {
+  double least = 0, largest = 0;
+  for (int k = 0; k < model_.total(); ++k) {
+    const double number = value(figure, model_.geometry()->sampling.index(k));
+    if (!std::isfinite(number)) continue;
+    least = std::min(least, number);
+    largest = std::max(largest, number);
+  }
+  if (figure == CellFigure::drift) largest = std::max(largest, -least);
+  const bool empty = !(largest > 0) && !(least < 0);
+  return {figure == CellFigure::drift ? -largest : least, empty ? 1 : largest};
+}
+
+double CellFigures::largest(int channel) const {
+  double largest = 0;
+  for (int k = 0; k < model_.total(); ++k) {
+    const CellIndex at = model_.geometry()->sampling.index(k);
+    if (const LuminaireModel::Cell* known = model_.cell(at))
+      largest =
+          std::max(largest, double(image_figures(at, known->image).largest.at(static_cast<std::size_t>(channel))));
+  }
+  return largest;
+}
+
+QString CellFigures::summary(CellIndex cell) const {
+  if (!model_.geometry() || !model_.geometry()->sampling.contains(cell)) return {};
+  const Vec2 center = model_.geometry()->sampling.cell_center_mm(cell);
+  QString text = tr("Cell (row %1, column %2), centre (%3, %4) mm on U")
+                     .arg(cell.row)
+                     .arg(cell.column)
+                     .arg(value_text(center.x(), 5), value_text(center.y(), 5));
+  text += u'\n' + state_name(model_.state(cell));
+  const LuminaireModel::Cell* known = model_.cell(cell);
+  if (!known) return text;
+  text += tr(", generation %1").arg(known->entry.generation);
+  for (const CellFigure figure : all_cell_figures)
+    text += QStringLiteral("\n%1: %2").arg(figure_name(figure), this->text(figure, cell));
+  if (known->entry.quality)
+    for (const std::string& warning : known->entry.quality->warnings)
+      text += u'\n' + tr("Warning: %1").arg(QString::fromStdString(warning));
+  return text;
+}
+
+}  // namespace lumifield

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <QWidget>
+#include <array>
+
+#include "app/views/cell_marks.h"
+
+class QLabel;
+
+namespace lumifield {
+
+/// The marks of the states and how many cells are in each. GUI thread.
+class StateLegend : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit StateLegend(QWidget* parent = nullptr);
+  void set_counts(const std::array<int, all_cell_states.size()>& counts);
+  const std::array<int, all_cell_states.size()>& counts() const { return counts_; }
+
+ private:
+  std::array<int, all_cell_states.size()> counts_{};
+  std::array<QLabel*, all_cell_states.size()> labels_{};
+};
+
+}  // namespace lumifield
