@@ -27,21 +27,24 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 // Registers of resources/virtual-camera.xml, and those of GigE Vision's bootstrap area.
-constexpr guint32 kTriggerMode = 0x2000, kTriggerSource = 0x2004, kTriggerSoftware = 0x2008;
-constexpr guint32 kExposureTime = 0x2010, kGain = 0x2018, kSensorFormat = 0x2020;
-constexpr guint32 kVendor = 0x48, kModel = 0x68, kNameBytes = 32, kSerialBytes = 16, kStreamPacketSize = 0xd04;
-constexpr guint16 kGvcpPort = 3956;
-constexpr double kExposureMin_us = 10, kExposureMax_us = 1e7;
+namespace registers {
+constexpr guint32 trigger_mode = 0x2000, trigger_source = 0x2004, trigger_software = 0x2008;
+constexpr guint32 exposure_time = 0x2010, gain = 0x2018, sensor_format = 0x2020;
+constexpr guint32 vendor = 0x48, model = 0x68, stream_packet_size = 0xd04;
+}  // namespace registers
+constexpr guint32 name_bytes = 32, serial_bytes = 16;
+constexpr guint16 gvcp_port = 3956;
+constexpr double shortest_exposure_us = 10, longest_exposure_us = 1e7;
 
-const std::map<std::string, ArvPixelFormat> kFormats = {{"Mono12", ARV_PIXEL_FORMAT_MONO_12},
-                                                        {"Mono16", ARV_PIXEL_FORMAT_MONO_16},
-                                                        {"BayerRG12", ARV_PIXEL_FORMAT_BAYER_RG_12}};
+const std::map<std::string, ArvPixelFormat> formats = {{"Mono12", ARV_PIXEL_FORMAT_MONO_12},
+                                                       {"Mono16", ARV_PIXEL_FORMAT_MONO_16},
+                                                       {"BayerRG12", ARV_PIXEL_FORMAT_BAYER_RG_12}};
 
 // The simulator says that it runs when its port is taken: this asks the kernel first.
 Status check_address(const std::string& address) {
   sockaddr_in name{};
   name.sin_family = AF_INET;
-  name.sin_port = htons(kGvcpPort);
+  name.sin_port = htons(gvcp_port);
   if (inet_pton(AF_INET, address.c_str(), &name.sin_addr) != 1)
     return fail("not an IPv4 address", address, "give one such as 127.0.0.1");
   const int probe = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -112,25 +115,25 @@ struct GigeCamera::Impl {
   }
 
   void set_registers() {
-    set_text(kVendor, kNameBytes, "Lumifield");
-    set_text(kModel, kNameBytes, "Virtual");
+    set_text(registers::vendor, name_bytes, "Lumifield");
+    set_text(registers::model, name_bytes, "Virtual");
     const guint32 width = guint32(options.width_px), height = guint32(options.height_px);
-    const guint32 format = kFormats.at(options.pixel_format);
+    const guint32 format = formats.at(options.pixel_format);
     const std::pair<guint32, guint32> values[] = {{ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, width},
                                                   {ARV_FAKE_CAMERA_REGISTER_SENSOR_HEIGHT, height},
                                                   {ARV_FAKE_CAMERA_REGISTER_WIDTH, width},
                                                   {ARV_FAKE_CAMERA_REGISTER_HEIGHT, height},
                                                   {ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT, format},
-                                                  {kSensorFormat, format},
-                                                  {kTriggerMode, 0},
-                                                  {kTriggerSource, 1},
-                                                  {kStreamPacketSize, 8192},
+                                                  {registers::sensor_format, format},
+                                                  {registers::trigger_mode, 0},
+                                                  {registers::trigger_source, 1},
+                                                  {registers::stream_packet_size, 8192},
                                                   // The simulator's own: triggered by the exposure thread only.
                                                   {ARV_FAKE_CAMERA_REGISTER_TRIGGER_MODE, 1},
                                                   {ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOURCE, 1}};
     for (const auto& [address, value] : values) set(address, value);
-    set_double(kExposureTime, 10000);
-    set_double(kGain, 0);
+    set_double(registers::exposure_time, 10000);
+    set_double(registers::gain, 0);
     arv_fake_camera_set_trigger_frequency(camera, 1000);
   }
 
@@ -158,20 +161,20 @@ struct GigeCamera::Impl {
   void watch(std::stop_token stop) {
     while (!stop.stop_requested()) {
       std::this_thread::sleep_for(std::chrono::microseconds(500));
-      const bool triggered = get(kTriggerMode) == 0 || get(kTriggerSoftware) != 0;
+      const bool triggered = get(registers::trigger_mode) == 0 || get(registers::trigger_software) != 0;
       if (!triggered) continue;
-      set(kTriggerSoftware, 0);
+      set(registers::trigger_software, 0);
       if (acquiring() && !frozen) expose(stop);
     }
   }
 
   void expose(std::stop_token stop) {
-    const double exposure_us = get_double(kExposureTime);
-    if (!(exposure_us >= kExposureMin_us && exposure_us <= kExposureMax_us)) return;
+    const double exposure_us = get_double(registers::exposure_time);
+    if (!(exposure_us >= shortest_exposure_us && exposure_us <= longest_exposure_us)) return;
     const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                         std::chrono::duration<double, std::micro>(exposure_us));
     const Exposure exposure{
-        .stage_mm = sight.stage_mm(), .exposure_s = exposure_us * 1e-6, .gain_db = get_double(kGain)};
+        .stage_mm = sight.stage_mm(), .exposure_s = exposure_us * 1e-6, .gain_db = get_double(registers::gain)};
     sight.wait_ready(exposure.stage_mm);
     while (Clock::now() < end) {
       if (stop.stop_requested() || !acquiring()) return;
@@ -184,7 +187,7 @@ struct GigeCamera::Impl {
     std::unique_lock lock(mutex);
     latched = exposure;
     pending = true;
-    set(kTriggerSoftware, 0);
+    set(registers::trigger_software, 0);
     set(ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOFTWARE, 1);
     while (pending && acquiring() && !stop.stop_requested()) read_out.wait_for(lock, milliseconds(10));
     if (pending) set(ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOFTWARE, 0);
@@ -193,9 +196,9 @@ struct GigeCamera::Impl {
 };
 
 Result<std::unique_ptr<GigeCamera>> GigeCamera::start(const GigeCameraOptions& options, Sight sight) {
-  if (!kFormats.contains(options.pixel_format))
+  if (!formats.contains(options.pixel_format))
     return fail("pixel format unknown", options.pixel_format, "give Mono12, Mono16 or BayerRG12");
-  if (options.serial.empty() || options.serial.size() >= kSerialBytes)
+  if (options.serial.empty() || options.serial.size() >= serial_bytes)
     return fail("the serial number must have 1 to 15 characters", options.serial);
   if (auto free = check_address(options.address); !free) return tl::unexpected(free.error());
   const int description = open_description();

@@ -17,9 +17,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr char kReset = 0x18;
-constexpr std::size_t kReceiveBytes = 127, kLineBytes = 80;
-constexpr int kReportsBetweenOffsets = 10;
+constexpr char reset_byte = 0x18;
+constexpr std::size_t receive_bytes = 127, most_line_bytes = 80;
+constexpr int reports_between_offsets = 10;
 
 enum class Mode { idle, home, alarm, dead };  // dead: until reset, after ALARM:1 and ALARM:2
 
@@ -85,12 +85,12 @@ struct GrblController::Impl {
   // ---- Real-time commands act on receipt; all else waits for the line reader
 
   void take(char byte) {
-    if (byte == kReset) return reset();
+    if (byte == reset_byte) return reset();
     if (byte == '?') return report();
     if (byte == '!') return mode == Mode::idle ? axes.hold() : void();
     if (byte == '~') return mode == Mode::idle ? axes.resume() : void();
     if (static_cast<unsigned char>(byte) >= 0x80) return;  // overrides, jog cancel
-    if (received.size() < kReceiveBytes) received += byte;
+    if (received.size() < receive_bytes) received += byte;
   }
 
   void reset() {
@@ -134,13 +134,13 @@ struct GrblController::Impl {
     const int shown = int(settings[10]);
     std::string text = "<" + state_name() + ((shown & 1) != 0 ? "|MPos:" : "|WPos:") + point(axes.claimed_mm());
     if ((shown & 2) != 0)
-      text += "|Bf:" + std::to_string(axes.free_slots()) + "," + std::to_string(kReceiveBytes - received.size());
+      text += "|Bf:" + std::to_string(axes.free_slots()) + "," + std::to_string(receive_bytes - received.size());
     text += "|FS:" + std::to_string(std::lround(axes.speed_mm_s() * 60)) + ",0";
     const Eigen::Array2d at = axes.true_mm().array();
     const Eigen::Array<bool, 2, 1> closed = at <= low() || at >= high().array();
     if (closed.any()) text += std::string("|Pn:") + (closed.x() ? "X" : "") + (closed.y() ? "Y" : "");
-    if (reports % kReportsBetweenOffsets == 0) text += "|WCO:" + point({0, 0});
-    if (reports++ % kReportsBetweenOffsets == 1) text += "|Ov:100,100,100";
+    if (reports % reports_between_offsets == 0) text += "|WCO:" + point({0, 0});
+    if (reports++ % reports_between_offsets == 1) text += "|Ov:100,100,100";
     send_line(text + ">");
   }
 
@@ -210,7 +210,7 @@ struct GrblController::Impl {
           answer(GrblError::line_too_long);
         else
           execute(taken);
-      } else if (line.size() < kLineBytes) {
+      } else if (line.size() < most_line_bytes) {
         line += byte;
       } else {
         overflowed = true;

@@ -14,7 +14,7 @@
 namespace lumifield::virtual_bench {
 
 namespace {
-constexpr std::size_t kLineBytes = 256;
+constexpr std::size_t most_line_bytes = 256;
 struct Client {
   int socket;
   std::string line;
@@ -84,7 +84,7 @@ struct Knobs::Impl {
 
   // False when the client has gone, or sends lines without an end.
   bool serve(Client& client) {
-    char bytes[kLineBytes];
+    char bytes[most_line_bytes];
     const ssize_t count = read(client.socket, bytes, sizeof bytes);
     if (count <= 0) return false;
     client.line.append(bytes, std::size_t(count));
@@ -93,7 +93,7 @@ struct Knobs::Impl {
       client.line.erase(0, end + 1);
       if (send(client.socket, reply.data(), reply.size(), MSG_NOSIGNAL) < 0) return false;
     }
-    return client.line.size() < kLineBytes;
+    return client.line.size() < most_line_bytes;
   }
 };
 

@@ -12,7 +12,7 @@ double AxisTerm::window(double u) const {
 
 double AxisTerm::detail_mm() const {
   const double finest = edge_width == 0 ? sigma : std::min(sigma, 3 * std::abs(edge_width));
-  return std::min(kSeparationMm * finest, 4.0);
+  return std::min(plane_separation_mm * finest, 4.0);
 }
 
 Eigen::Array3d Lamp::radiance(const Vec2& u, const Vec2& m) const {

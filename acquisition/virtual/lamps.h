@@ -10,10 +10,10 @@
 namespace lumifield::virtual_bench {
 
 /// Distance of the planes U and S of every virtual bench, δ.
-inline constexpr double kSeparationMm = 150;
+inline constexpr double plane_separation_mm = 150;
 
 /// What a mono camera sees of R, G, B.
-inline const Eigen::Array3d kMonoWeights{0.25, 0.60, 0.15};
+inline const Eigen::Array3d mono_weights{0.25, 0.60, 0.15};
 
 /// One axis of a separable term of the emission: a window on the exit times a lobe in slope m = (s − u)/δ whose centre
 /// may bend with u (a curved facet), times an edge in slope (a cut-off),

@@ -17,18 +17,18 @@ std::uint64_t mix(std::uint64_t x) {
 std::uint64_t combine(std::uint64_t key, std::uint64_t value) { return mix(key + 0x9e3779b97f4a7c15u + mix(value)); }
 
 /// Quantiles (i + ½)/n of the normal distribution, scaled so that the sum of two independent ones has variance 1.
-constexpr std::size_t kQuantiles = 4096;
-std::array<float, kQuantiles> make_normal_table() {
-  std::array<float, kQuantiles> table;
+constexpr std::size_t quantiles = 4096;
+std::array<float, quantiles> make_normal_table() {
+  std::array<float, quantiles> table;
   double sum2 = 0;
-  for (std::size_t i = 0; i < kQuantiles; ++i) {
-    const double p = (static_cast<double>(i) + 0.5) / kQuantiles;
+  for (std::size_t i = 0; i < quantiles; ++i) {
+    const double p = (static_cast<double>(i) + 0.5) / quantiles;
     double z = 0;
     for (double step = 4; step > 1e-12; step /= 2) z += 0.5 * std::erfc(-z / std::sqrt(2.0)) < p ? step : -step;
     table[i] = static_cast<float>(z);
     sum2 += z * z;
   }
-  const float scale = static_cast<float>(1 / std::sqrt(2 * sum2 / kQuantiles));
+  const float scale = static_cast<float>(1 / std::sqrt(2 * sum2 / quantiles));
   for (float& z : table) z *= scale;
   return table;
 }
@@ -48,7 +48,7 @@ Photosites::Photosites(const Sensor& sensor, int width_px, int height_px, std::u
 
 void Photosites::expose(const Exposure& exposure, std::size_t first, std::span<const float> rate,
                         std::span<std::uint16_t> dn) const {
-  static const std::array<float, kQuantiles> normal = make_normal_table();
+  static const std::array<float, quantiles> normal = make_normal_table();
   const float gain = static_cast<float>(sensor_.gain_dn_per_e * std::pow(10, exposure.gain_db / 20));
   const float light_s = static_cast<float>(exposure.seconds * exposure.light);
   const float dark_s = exposure.noise ? static_cast<float>(exposure.seconds) : 0.0f;
@@ -63,7 +63,7 @@ void Photosites::expose(const Exposure& exposure, std::size_t first, std::span<c
 
   for (std::size_t p = 0; p < dn.size(); ++p) {
     const std::uint64_t h = mix(key + 0x9e3779b97f4a7c15u * (first + p));
-    const float z = normal[h % kQuantiles] + normal[(h >> 20) % kQuantiles];
+    const float z = normal[h % quantiles] + normal[(h >> 20) % quantiles];
     const float electrons = rate[p] * light_s + dark_[first + p] * dark_s;
     const float value = offset + gain * electrons + spread * std::sqrt(electrons + read2) * z;
     dn[p] = static_cast<std::uint16_t>(std::clamp(value, 0.0f, full_scale));

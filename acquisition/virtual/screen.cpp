@@ -36,7 +36,7 @@ AxisIntegrals integrate_axis(const AxisTerm& term, const Slide& slide, int axis,
     if (low < high && sum.size() == 0) sum = Eigen::ArrayXd::Zero(s.size());
     rule.panels(low, high, term.detail_mm(), [&](double u, double weight) {
       weight *= std::abs(slide.f((u - filter_mm) / a)) * term.window(u);
-      sum += weight * term.lobe(u, Eigen::ArrayXd((s - u) / kSeparationMm));
+      sum += weight * term.lobe(u, Eigen::ArrayXd((s - u) / plane_separation_mm));
     });
   }
   return sums;
@@ -59,7 +59,7 @@ std::vector<Factor> factors_of(const Lamp& lamp, const Slide& slide, const Bench
       const AxisIntegrals x = integrate_axis(term.x, slide, 0, center.x(), sx);
       if (x[0].size() == 0 && x[1].size() == 0) continue;
       const AxisIntegrals y = integrate_axis(term.y, slide, 1, center.y(), sy);
-      const Eigen::Array3d colour = term.radiance / (std::abs(pass.scale) * kSeparationMm * kSeparationMm);
+      const Eigen::Array3d colour = term.radiance / (std::abs(pass.scale) * plane_separation_mm * plane_separation_mm);
       for (const int sign : {0, 1}) {
         const Eigen::ArrayXd& partner = y[pass.scale > 0 ? sign : 1 - sign];
         if (x[sign].size() > 0 && partner.size() > 0) factors.push_back({x[sign], partner, colour});

@@ -77,7 +77,7 @@ class AxisIntegrand {
 double AxisIntegrand::operator()(double u) const {
   const double m = (p_ - u) / z_;
   if (!source_.cells) return term_.window(u) * term_.lobe(u, m);
-  const double s = u + kSeparationMm * m;
+  const double s = u + plane_separation_mm * m;
   double sum = 0;
   for (int i = 0; i < source_.cells->count; ++i) {
     const std::vector<Vec2>& nodes = source_.nodes[i];
@@ -85,7 +85,7 @@ double AxisIntegrand::operator()(double u) const {
         nodes.empty() ? 0 : source_.cells->dual.basis()((u - source_.cells->center(i)) / source_.cells->a);
     if (phi == 0) continue;
     double coefficient = 0;
-    for (const Vec2& node : nodes) coefficient += node.y() * term_.lobe(node.x(), (s - node.x()) / kSeparationMm);
+    for (const Vec2& node : nodes) coefficient += node.y() * term_.lobe(node.x(), (s - node.x()) / plane_separation_mm);
     sum += phi * coefficient;
   }
   return sum;
@@ -123,16 +123,16 @@ std::vector<double> AxisIntegrand::projected_breaks() const {
     high = std::max(high, c + reach);
     for (const Basis::Piece& piece : cells.dual.basis().pieces()) breaks.push_back(c + cells.a * piece.begin);
   }
-  const double t = kSeparationMm / z_;
+  const double t = plane_separation_mm / z_;
   const auto add = [&](double s) {
     if (std::abs(1 - t) > 1e-9) breaks.push_back((s - p_ * t) / (1 - t));
   };
-  const double shadow = term_.half_mm * std::abs(1 + kSeparationMm * term_.bend_per_mm);
+  const double shadow = term_.half_mm * std::abs(1 + plane_separation_mm * term_.bend_per_mm);
   for (double k : {-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0})
-    add(term_.center_mm + kSeparationMm * term_.slope + k * (shadow / 2 + kSeparationMm * term_.sigma));
+    add(term_.center_mm + plane_separation_mm * term_.slope + k * (shadow / 2 + plane_separation_mm * term_.sigma));
   if (term_.edge_width != 0)
     for (double knot : source_.knots)
-      for (double k : {-5.0, 0.0, 5.0}) add(knot + kSeparationMm * (term_.edge + k * term_.edge_width));
+      for (double k : {-5.0, 0.0, 5.0}) add(knot + plane_separation_mm * (term_.edge + k * term_.edge_width));
   return sorted_within(low, high, breaks);
 }
 
@@ -228,7 +228,7 @@ std::vector<TruthValue> truth(const WorldOptions& options, bool projected, std::
   std::vector<TermSource> terms;
   for (const LampTerm& term : lamp->terms) {
     Bands radiance;
-    radiance << (kMonoWeights * term.radiance).sum(), term.radiance;
+    radiance << (mono_weights * term.radiance).sum(), term.radiance;
     terms.push_back({radiance, {term.x, projected ? &cells_x : nullptr}, {term.y, projected ? &cells_y : nullptr}});
   }
   std::vector<GaussRule> levels;

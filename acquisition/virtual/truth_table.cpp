@@ -10,8 +10,8 @@ namespace lumifield::virtual_bench {
 
 namespace {
 
-constexpr std::string_view kColumns = "x_mm,y_mm,z_mm,nx,ny,nz";
-constexpr std::size_t kRowsMax = 1'000'000, kLineBytesMax = 4096;
+constexpr std::string_view column_names = "x_mm,y_mm,z_mm,nx,ny,nz";
+constexpr std::size_t most_rows = 1'000'000, most_line_bytes = 4096;
 
 Result<TruthPoint> point_of(std::string_view line, const std::string& where) {
   double value[6];
@@ -39,9 +39,9 @@ Status write_truth(const WorldOptions& options, bool projected, const std::files
   for (std::string line; std::getline(in, line);) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     const std::string where = points.string() + ": line " + std::to_string(lines.size() + 1);
-    if (lines.size() > kRowsMax || line.size() > kLineBytesMax) return fail("the table is too large", where);
-    if (lines.empty() && !(line + ",").starts_with(std::string(kColumns) + ","))
-      return fail("the columns are not the ones expected", where, "begin with " + std::string(kColumns));
+    if (lines.size() > most_rows || line.size() > most_line_bytes) return fail("the table is too large", where);
+    if (lines.empty() && !(line + ",").starts_with(std::string(column_names) + ","))
+      return fail("the columns are not the ones expected", where, "begin with " + std::string(column_names));
     if (!lines.empty()) {
       const auto point = point_of(line, where);
       if (!point) return tl::unexpected(point.error());

@@ -9,10 +9,10 @@ namespace lumifield::virtual_bench {
 namespace {
 
 /// The part of S a scan measures, and the largest shift of it before the camera.
-constexpr double kHalfScreenMm = 150, kScreenMarginMm = 8;
+constexpr double half_screen_mm = 150, screen_margin_mm = 8;
 
 Vec2 half_view_mm(const Bench& bench) {
-  Vec2 half(kHalfScreenMm, kHalfScreenMm);
+  Vec2 half(half_screen_mm, half_screen_mm);
   if (bench.stage_carries == StageCarries::slide) return half;
   half += half_grid_mm(bench) + Vec2(2, 2);
   half.x() += std::abs(bench.filter.passes.front().offset_mm.x());
@@ -40,13 +40,13 @@ Bench make_bench(const WorldOptions& options, const Lamp& lamp) {
   bench.camera.pixel_format = options.pixel_format;
   bench.stage_carries = options.carries;
   bench.lamp_size_mm = lamp.size_mm;
-  bench.separation_mm = kSeparationMm;
+  bench.separation_mm = plane_separation_mm;
   bench.filter.basis = options.basis;
   bench.filter.spacing_mm = options.spacing_mm;
   bench.filter.window = options.window;
   lay_out_slide(bench);
   bench.camera_model =
-      place_camera(options.width_px, options.height_px, kSeparationMm, half_view_mm(bench), options.optics);
+      place_camera(options.width_px, options.height_px, plane_separation_mm, half_view_mm(bench), options.optics);
   bench.sensor = make_sensor(options.pixel_format);
   return bench;
 }
@@ -58,9 +58,9 @@ World::World(const WorldOptions& options)
       bench_(make_bench(options, lamp_)),
       slide_(bench_.filter),
       no_slide_(Slide::none(bench_.filter)),
-      grid_(ScreenGrid::covering(half_view_mm(bench_) + Vec2::Constant(kScreenMarginMm), 0.5)),
-      pinhole_(make_lens_map(with_optics(bench_.camera_model, false), kSeparationMm)),
-      lens_(make_lens_map(with_optics(bench_.camera_model, true), kSeparationMm)),
+      grid_(ScreenGrid::covering(half_view_mm(bench_) + Vec2::Constant(screen_margin_mm), 0.5)),
+      pinhole_(make_lens_map(with_optics(bench_.camera_model, false), plane_separation_mm)),
+      lens_(make_lens_map(with_optics(bench_.camera_model, true), plane_separation_mm)),
       photosites_(bench_.sensor, options.width_px, options.height_px, options.seed),
       noise_(options.noise),
       optics_(options.optics),
@@ -68,7 +68,7 @@ World::World(const WorldOptions& options)
 
 World::Frame World::render(const View& view) const {
   const bool bayer = bench_.sensor.responsivity.size() == 3;
-  std::vector<Eigen::Array3d> bands{kMonoWeights};
+  std::vector<Eigen::Array3d> bands{mono_weights};
   if (bayer) bands = {Eigen::Array3d(1, 0, 0), Eigen::Array3d(0, 1, 0), Eigen::Array3d(0, 0, 1)};
   const Vec2 stage_mm = 1e-3 * Vec2(static_cast<double>(view.x_um), static_cast<double>(view.y_um));
   const std::vector<Plane> screen =

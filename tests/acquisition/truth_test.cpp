@@ -100,14 +100,14 @@ class Scan {
       for (double x = -reach.x() + step / 2; x < reach.x(); x += step) {
         const Vec3 u(x, y, 0), ray = at.p_mm - u;
         const double incident = std::max(0.0, -at.n.dot(ray)), cosine = z / ray.norm();
-        const Vec2 s = u.head<2>() + ray.head<2>() * (kSeparationMm / z);
+        const Vec2 s = u.head<2>() + ray.head<2>() * (plane_separation_mm / z);
         double coefficients = 0;
         for (int cell = 0; cell < rows_ * columns_; ++cell) {
           const Vec2 t = (u.head<2>() - center(cell)) / a_;
           const double phi = basis_(t.x()) * basis_(t.y());
           if (phi != 0) coefficients += phi * image(cell, s);
         }
-        const double radiance = coefficients * kSeparationMm * kSeparationMm / std::pow(cosine, 4);
+        const double radiance = coefficients * plane_separation_mm * plane_separation_mm / std::pow(cosine, 4);
         const double integrand = radiance * cosine * incident / std::pow(ray.norm(), 3);
         sum += integrand;
         absolute += std::abs(integrand);

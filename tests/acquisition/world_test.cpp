@@ -13,7 +13,7 @@
 namespace lumifield::virtual_bench {
 namespace {
 
-const std::vector<Eigen::Array3d> kRgb{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+const std::vector<Eigen::Array3d> rgb_bands{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 Vec2 stage_for(const Bench& bench, const Vec2& u, const FilterPass& pass) {
   const StageToLuminaire& map = bench.stage_to_luminaire;
@@ -30,9 +30,9 @@ Eigen::Array3d brute_force(const Lamp& lamp, const Vec2& s, const std::function<
       const Vec2 u((i + 0.5) / nx * 36 - 18, (j + 0.5) / ny * 22 - 11);
       const double w = weight(u);
       if (w == 0) continue;
-      const Vec3 ray(s.x() - u.x(), s.y() - u.y(), kSeparationMm);
-      const double cosine = kSeparationMm / ray.norm();
-      sum += w * lamp.radiance(u, (s - u) / kSeparationMm) * (cosine * cosine / ray.squaredNorm());
+      const Vec3 ray(s.x() - u.x(), s.y() - u.y(), plane_separation_mm);
+      const double cosine = plane_separation_mm / ray.norm();
+      sum += w * lamp.radiance(u, (s - u) / plane_separation_mm) * (cosine * cosine / ray.squaredNorm());
     }
   return sum * (36.0 / nx) * (22.0 / ny);
 }
@@ -85,7 +85,7 @@ TEST_P(EveryLamp, ScreenIsTheIntegralOverTheExit) {
     const ScreenGrid grid = ScreenGrid::covering(Vec2(240, 180), 12);
     for (const FilterPass& pass : bench.filter.passes) {
       const Vec2 u(4.3, -3.1), q = stage_for(bench, u, pass);
-      const auto planes = screen_irradiance(lamp, slide, bench, grid, q, kRgb);
+      const auto planes = screen_irradiance(lamp, slide, bench, grid, q, rgb_bands);
       const Vec2 shift = displacement_mm(bench, q);
       EXPECT_LT((filter_center_mm(bench, pass, q) - u).norm(), 1e-9);
       for (int row = 8; row <= 24; row += 4)
@@ -114,7 +114,7 @@ TEST_P(EveryLamp, PassesCombineToTheDualsImage) {
   Plane combined = Plane::Zero(grid.rows, grid.columns);
   for (const FilterPass& pass : bench.filter.passes)
     combined += static_cast<float>(pass.scale) *
-                screen_irradiance(lamp, slide, bench, grid, stage_for(bench, u, pass), {kRgb[1]})[0];
+                screen_irradiance(lamp, slide, bench, grid, stage_for(bench, u, pass), {rgb_bands[1]})[0];
   for (int row = 0; row < grid.rows; row += 2)
     for (int column = 0; column < grid.columns; ++column) {
       const Vec2 s = grid.corner_mm + grid.step_mm * Vec2(column, row);
@@ -239,7 +239,7 @@ TEST(World, PixelsSeeTheScreen) {
         const std::size_t band = odd ? 2 : 0;
         const bool bayer = format == "BayerRG12";
         const double seen =
-            bayer ? e[band] * bench.sensor.responsivity[band] : (e * kMonoWeights).sum() * bench.sensor.responsivity[0];
+            bayer ? e[band] * bench.sensor.responsivity[band] : (e * mono_weights).sum() * bench.sensor.responsivity[0];
         const double expected =
             bench.sensor.black_level_dn + bench.sensor.gain_dn_per_e * exposure_s * seen * map.illumination[p];
         EXPECT_NEAR(dn[p], expected, 0.002 * expected + 1) << format << " pixel " << i << ", " << j;
@@ -259,7 +259,7 @@ TEST(World, SwitchesLensAndSlideOff) {
   for (const std::size_t p : {std::size_t(384) * 1024 + 512, std::size_t(300) * 1024 + 430}) {
     EXPECT_EQ(map.illumination[p], 1);
     const Eigen::Array3d e = brute_force(*make_lamp("bike"), map.screen_mm[p].cast<double>(), [](Vec2) { return 1.0; });
-    const double electrons = 4e-4 * (e * kMonoWeights).sum() * bench.sensor.responsivity[0];
+    const double electrons = 4e-4 * (e * mono_weights).sum() * bench.sensor.responsivity[0];
     EXPECT_GT(electrons, 50);
     const double expected = bench.sensor.black_level_dn + bench.sensor.gain_dn_per_e * electrons;
     EXPECT_NEAR(dn[p], expected, 0.002 * expected + 1);

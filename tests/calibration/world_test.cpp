@@ -107,7 +107,7 @@ TEST_P(DevelopedWorld, IsTheDualsIntegralOfTheLamp) {
     for (int i = 4; i < 150; i += 24) {
       const Eigen::Array3d rgb = direct(options, u_m, plan.measurement.pixel_center_mm(i, j), bench.separation_mm);
       for (int c = 0; c < image->channels; ++c) {
-        const double truth = image->channels == 1 ? (rgb * virtual_bench::kMonoWeights).sum() : rgb[c];
+        const double truth = image->channels == 1 ? (rgb * virtual_bench::mono_weights).sum() : rgb[c];
         worst = std::max(worst, std::abs(static_cast<double>(image->at(c, i, j)) - truth));
         largest = std::max(largest, std::abs(truth));
       }
