@@ -88,6 +88,8 @@ class DatasetWriter {
   Result<CellEntry> add(CellIndex cell, const CellImage& image, const Vec2& stage_mm);
   /// Writes the manifest with all cells (temporary, fsync, rename), then removes the journal and superseded files.
   Status close();
+  /// The manifest on disk lists all cells, and nothing is left to remove.
+  bool is_closed() const { return journal_bytes_ == 0 && superseded_.empty(); }
   /// Replaces the manifest's provenance, written by close().
   void set_provenance(std::string json_object);
   /// Replaces it on disk: durable when this returns, with all cells so far. The writer may go on.

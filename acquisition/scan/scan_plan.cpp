@@ -73,7 +73,8 @@ Result<ScanPlan> make_scan_plan(const Bench& bench, const Plan& plan, const std:
 
   std::vector<CellIndex> cells = scan_order(plan.order, plan.columns, plan.rows);
   std::erase_if(cells, [&](CellIndex cell) { return done.contains(cell); });
-  ScanPlan scan{make_steps(bench, plan, cells), static_cast<int>(cells.size()), 0};
+  const int to_scan = static_cast<int>(cells.size());
+  ScanPlan scan{make_steps(bench, plan, cells), to_scan, plan.columns * plan.rows - to_scan, 0};
   if (Status status = check_limits(bench, scan.steps); !status) return tl::unexpected(status.error());
 
   const std::vector<double> times = step_times_s(scan.steps, bench, plan, stage_speed(bench.stage));

@@ -31,7 +31,8 @@ using ScanStep = std::variant<DarkStep, ReferenceStep, CellStep>;
 
 struct ScanPlan {
   std::vector<ScanStep> steps;  ///< dark and reference first, reference last; empty when all cells are done
-  int cells = 0;
+  int cells = 0;                ///< to be scanned
+  int cells_before = 0;         ///< of the grid, left out as done before
   double predicted_s =
       0;  ///< from the stage's speed and acceleration, settle, exposure and readout times. Speeds of 0
           ///< in the bench file count as 10 mm/s and 50 mm/s²: fill in what the controller reports first

@@ -51,7 +51,8 @@ Status Scanner::run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop,
   const std::stop_callback at_stop(stop_, end_now), at_abandon(abandon, end_now);
   begin_s_ = first_step_s_ = clock_.now_s();
   warm_up_left_s_ = plan_.warm_up_s;
-  progress_.cells_total = steps.cells;
+  progress_.cells_done = progress_.cells_before = steps.cells_before;
+  progress_.cells_total = steps.cells_before + steps.cells;
   const StageSpeed reported{stage_.info().rapid_mm_s, stage_.info().acceleration_mm_s2};
   time_left_ = TimeLeft(step_times_s(steps.steps, bench_, plan_, stage_speed(bench_.stage, reported)));
   return end(scan(steps));

@@ -17,7 +17,8 @@ namespace lumifield {
 
 struct ScanProgress {
   ScanState state = ScanState::idle;
-  int cells_done = 0, cells_total = 0;  ///< of this plan; cells left out as done before do not count
+  int cells_done = 0, cells_total = 0;  ///< of the whole grid
+  int cells_before = 0;                 ///< of cells_done: there before this scan
   CellIndex cell;                       ///< the one being worked on
   double elapsed_s = 0, left_s = 0;
 };

@@ -69,15 +69,23 @@ ScanSession::Impl::~Impl() {
 }
 
 Status ScanSession::Impl::open_dataset() {
+  created = !request.resume;
   std::error_code code;
-  created = !(request.resume && std::filesystem::exists(request.out, code));
+  const bool is_there = std::filesystem::exists(request.out, code);
   if (code) return fail("could not be looked at: " + code.message(), request.out.string(), "check its permissions");
+  if (request.resume && !is_there)
+    return fail("there is no dataset to go on with", request.out.string(),
+                "check the path, or leave out --resume to begin a new one");
   if (Status opened = created ? create_dataset() : resume_dataset(); !opened) return opened;
   for (const CellEntry& entry : writer->manifest().cells) done.insert(entry.cell);
   for (const CellIndex cell : request.retake) done.erase(cell);
   Result<ScanPlan> left = make_scan_plan(request.bench, request.plan, done);
   if (!left) return tl::unexpected(left.error());
   steps = std::move(*left);
+  if (steps.steps.empty()) {
+    request.preview.reset();
+    notes.push_back("all " + std::to_string(steps.cells_before) + " cells are there: nothing is left to measure");
+  }
   return {};
 }
 
@@ -167,7 +175,10 @@ void ScanSession::Impl::run() {
   develop_thread =
       std::thread([this] { run_develop(developer, pipeline, summary.times.develop_s, summary.cells_with_warnings); });
   bench_thread = std::thread([this] {
-    run_bench(request, steps, first, pipeline, bench);
+    if (steps.steps.empty())
+      pipeline.raw.close();
+    else
+      run_bench(request, steps, first, pipeline, bench);
     // The stages behind end one after the other once their input has.
     develop_thread.join();
     store_thread.join();
@@ -203,7 +214,8 @@ Status ScanSession::Impl::close_dataset() {
     const Status closed = writer->close();
     return closed && !record ? tl::unexpected(record.error()) : closed;
   }
-  return pipeline.error() ? discard_dataset() : writer->close();
+  if (pipeline.error()) return discard_dataset();
+  return writer->is_closed() ? Status{} : writer->close();
 }
 
 ScanSession::ScanSession(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -262,6 +274,8 @@ Result<ScanSummary> ScanSession::Impl::finish() {
 
   const Status closed = close_dataset();
   if (std::optional<Error> error = pipeline.error()) {
+    if (error->kind == ErrorKind::stopped && created && writer->manifest().cells.empty())
+      error->remedy = "no cell was stored yet: run again to begin anew";
     if (!closed) error->what += " (and then: " + closed.error().message() + ")";
     return tl::unexpected(std::move(*error));
   }
@@ -270,6 +284,7 @@ Result<ScanSummary> ScanSession::Impl::finish() {
   std::set<CellIndex> stored;
   for (const CellEntry& entry : writer->manifest().cells) stored.insert(entry.cell);
   const Sampling& sampling = developer.geometry().sampling;
+  summary.cells_before = static_cast<int>(done.size());
   summary.coverage.total = sampling.cells();
   summary.coverage.measured = static_cast<int>(stored.size());
   for (int k = 0; k < sampling.cells(); ++k)

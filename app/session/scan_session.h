@@ -43,7 +43,10 @@ struct StageTimes {
 struct ScanSummary {
   std::filesystem::path dataset;
   Coverage coverage;
+  int cells_before = 0;  ///< of coverage.measured: there before this scan
   ScanTiming timing;
+  /// A resumed dataset was complete already: no device was opened.
+  bool nothing_left() const { return cells_before == coverage.total; }
   StageTimes times;
   std::vector<ReferenceReading> references;
   int frames_retaken = 0;
@@ -69,13 +72,14 @@ using SessionEvent = std::variant<ScanProgress, CellStored, ReferenceReading, Pi
 ///
 ///     bench (camera, stage) → 2 raw cells → develop → 4 cells → store (durable) → 4 cells → render → pictures
 ///
-/// Everything is checked before anything moves. Cells are never dropped; progress events are when nobody takes them.
-/// `start` returns when the threads run; take events until they end, then `wait`. Thread-safe but for `wait`, called
-/// once.
+/// Everything is checked before anything moves. A complete dataset that is resumed is left as it is, without a picture;
+/// only the journal of a scan that was killed at its end is still merged into its manifest. Cells are never dropped;
+/// progress events are when nobody takes them. `start` returns when the threads run; take events until they end, then
+/// `wait`. Thread-safe but for `wait`, called once.
 class ScanSession {
  public:
-  /// Errors before anything moves: plan against bench, output folder, a dataset to resume that was measured otherwise,
-  /// preview. A dataset to resume is then as it was before.
+  /// Errors before anything moves: plan against bench, output folder, a dataset to resume that is not there or was
+  /// measured otherwise, preview. A dataset to resume is then as it was before.
   static Result<std::unique_ptr<ScanSession>> start(ScanRequest request);
   /// Stops the scan and joins.
   ~ScanSession();

@@ -108,6 +108,7 @@ TEST(ScanPlan, LeavesOutCellsThatAreDone) {
   const auto scan = make_scan_plan(small_bench(), small_plan(), done);
   ASSERT_TRUE(scan);
   EXPECT_EQ(scan->cells, 4);
+  EXPECT_EQ(scan->cells_before, 2);
   EXPECT_EQ(steps_of<CellStep>(*scan).size(), 4U);
   for (const CellStep& step : steps_of<CellStep>(*scan)) EXPECT_FALSE(done.contains(step.cell));
   EXPECT_EQ(steps_of<ReferenceStep>(*scan).back().cells_done, 4);

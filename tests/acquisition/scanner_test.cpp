@@ -176,6 +176,16 @@ TEST_F(ScannerTest, PredictsTheTimeThatAnIdealBenchTakes) {
   EXPECT_EQ(sink.reports.back().cells_total, 6);
 }
 
+TEST_F(ScannerTest, ProgressCountsTheCellsThatWereThereBefore) {
+  ASSERT_TRUE(run({{0, 1}, {1, 2}}));
+  EXPECT_EQ(sink.reports.front().cells_done, 2);
+  EXPECT_EQ(sink.reports.back().cells_done, 6);
+  for (const ScanProgress& report : sink.reports) {
+    EXPECT_EQ(report.cells_total, 6);
+    EXPECT_EQ(report.cells_before, 2);
+  }
+}
+
 TEST(SteadyBenchClock, WaitsAndIsCutShortByAStop) {
   EXPECT_TRUE(steady_bench_clock().wait(0.001, {}));
   std::stop_source stop;

@@ -39,8 +39,8 @@ class ScanSessionTest : public testing::Test {
   }
   ~ScanSessionTest() override { fs::remove_all(folder_); }
 
-  /// A dataset with one cell, as an earlier scan left it: with a journal, or closed.
-  void scan_before() {
+  /// A dataset with one cell, or all, as an earlier scan left it: with a journal, or closed.
+  void scan_before(bool all = false, bool close = false) {
     Manifest manifest;
     manifest.geometry = luminaire_geometry(request_.bench, request_.plan);
     manifest.provenance_json = provenance_json("{}", request_, "2026-01-31T12:34:56Z", {}, nullptr);
@@ -49,7 +49,14 @@ class ScanSessionTest : public testing::Test {
     CellImage image;
     image.width_px = 24, image.height_px = 18, image.channels = 1;
     image.value.assign(image.plane(), 1);
-    ASSERT_TRUE(writer->add({0, 1}, image, {0, 0}));
+    const Sampling& sampling = writer->manifest().geometry.sampling;
+    for (int k = 0; k < sampling.cells(); ++k)
+      if (all || sampling.index(k) == CellIndex{0, 1}) {
+        ASSERT_TRUE(writer->add(sampling.index(k), image, {0, 0}));
+      }
+    if (close) {
+      ASSERT_TRUE(writer->close());
+    }
     request_.resume = true;
   }
   std::map<fs::path, std::string> bytes() const {
@@ -84,6 +91,44 @@ TEST_F(ScanSessionTest, AResumedDatasetIsLeftAsItIsWhenTheCameraDoesNotOpen) {
   const auto before = bytes();
   EXPECT_EQ(error_of_scan().where, "camera.kind");
   EXPECT_EQ(bytes(), before);
+}
+
+TEST_F(ScanSessionTest, RefusesToResumeWhatIsNotThere) {
+  request_.resume = true;
+  const Error error = error_of_scan();
+  EXPECT_EQ(error.what, "there is no dataset to go on with");
+  EXPECT_EQ(error.where, folder_.string());
+  EXPECT_THAT(error.remedy, HasSubstr("leave out --resume"));
+  EXPECT_FALSE(fs::exists(folder_));
+}
+
+TEST_F(ScanSessionTest, ACompleteDatasetIsLeftAsItIsAndSaidToBeComplete) {
+  scan_before(true, true);
+  const auto before = bytes();
+  const auto written = fs::last_write_time(folder_ / "luminaire.json");
+  request_.preview.emplace();
+  auto session = ScanSession::start(request_);
+  ASSERT_TRUE(session) << session.error().message();
+  std::vector<std::string> notices;
+  while (auto event = (*session)->next_event())
+    if (const auto* notice = std::get_if<Notice>(&*event)) notices.push_back(notice->text);
+  const auto summary = (*session)->wait();
+  ASSERT_TRUE(summary) << summary.error().message();
+  EXPECT_TRUE(summary->nothing_left());
+  EXPECT_EQ(summary->cells_before, summary->coverage.total);
+  EXPECT_THAT(notices, testing::Contains(HasSubstr("cells are there: nothing is left to measure")));
+  EXPECT_EQ(bytes(), before);
+  EXPECT_EQ(fs::last_write_time(folder_ / "luminaire.json"), written);
+}
+
+TEST_F(ScanSessionTest, ACompleteDatasetThatWasNotClosedIsClosed) {
+  scan_before(true);
+  ASSERT_TRUE(fs::exists(folder_ / "journal.jsonl"));
+  EXPECT_EQ(error_of_scan().what, "");
+  EXPECT_FALSE(fs::exists(folder_ / "journal.jsonl"));
+  const auto index = read_dataset_index(folder_);
+  ASSERT_TRUE(index) << index.error().message();
+  EXPECT_EQ(static_cast<int>(index->manifest.cells.size()), index->manifest.geometry.sampling.cells());
 }
 
 TEST_F(ScanSessionTest, AResumedDatasetIsLeftAsItIsWhenThePreviewFails) {
