@@ -48,4 +48,8 @@ struct DeviceReport {
 /// Every camera that answers, usable or not. Takes about a second (GigE Vision discovery).
 std::vector<DeviceReport> find_cameras();
 
+/// The camera that a bench file names, answering or not; it is not opened. `address` is as in find_cameras when it
+/// answers.
+DeviceReport probe_camera(const CameraSettings& settings);
+
 }  // namespace lumifield

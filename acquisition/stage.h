@@ -47,4 +47,7 @@ Result<std::unique_ptr<Stage>> open_stage(const StageSettings& settings);
 /// reset.
 std::vector<DeviceReport> find_stages(const std::string& path = {});
 
+/// The stage that a bench file names, answering or not; it is neither stopped nor reset.
+DeviceReport probe_stage(const StageSettings& settings);
+
 }  // namespace lumifield

@@ -46,6 +46,22 @@ std::vector<DeviceReport> find_aravis_cameras() {
   return reports;
 }
 
+DeviceReport probe_aravis_camera(const CameraSettings& settings) {
+  const auto unusable = [&](const Error& error) -> DeviceReport {
+    return {"camera", {}, settings.address, false, error.what, error.remedy};
+  };
+  const Result<std::string> ip = aravis_address(settings.address);
+  if (!ip) return unusable(ip.error());
+  for (DeviceReport& report : find_aravis_cameras())
+    if (report.address == *ip) return std::move(report);
+
+  // In another subnet no discovery reaches it.
+  const GvcpAnswer answer = probe_gvcp(*ip);
+  if (answer.presence != GvcpPresence::present) return unusable(not_there(settings.address, answer.presence).value());
+  if (answer.controlled) return unusable(held_by_another(settings.address).value());
+  return {"camera", {}, *ip, true, {}, {}};
+}
+
 Result<std::string> aravis_address(const std::string& name) {
   if (is_ipv4_address(name)) return name;
   arv_update_device_list();

@@ -13,6 +13,9 @@ namespace lumifield {
 /// All cameras that answer a discovery, 1 s and 0.5 s for each that is out of reach.
 std::vector<DeviceReport> find_aravis_cameras();
 
+/// The camera at an address or of a name, by discovery or, in another subnet, by its address alone.
+DeviceReport probe_aravis_camera(const CameraSettings& settings);
+
 /// The IPv4 address behind a camera's id or serial number, 1 s; an address stands for itself.
 Result<std::string> aravis_address(const std::string& name);
 

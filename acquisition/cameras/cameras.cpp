@@ -9,22 +9,35 @@ struct CameraKind {
   std::string_view name;
   Result<std::unique_ptr<Camera>> (*open)(const CameraSettings&);
   std::vector<DeviceReport> (*find)();
+  DeviceReport (*probe)(const CameraSettings&);
 };
 
 // A new kind is a file beside this one and a line here.
 constexpr CameraKind kinds[] = {
-    {"aravis", open_aravis_camera, find_aravis_cameras},
+    {"aravis", open_aravis_camera, find_aravis_cameras, probe_aravis_camera},
 };
+
+Result<CameraKind> kind_of(const CameraSettings& settings) {
+  std::string names;
+  for (const CameraKind& kind : kinds) {
+    if (kind.name == settings.kind) return kind;
+    names.append(names.empty() ? "" : ", ").append(kind.name);
+  }
+  return fail("unknown kind of camera \"" + settings.kind + "\"", "camera.kind", "known kinds: " + names);
+}
 
 }  // namespace
 
 Result<std::unique_ptr<Camera>> open_camera(const CameraSettings& settings) {
-  std::string names;
-  for (const CameraKind& kind : kinds) {
-    if (kind.name == settings.kind) return kind.open(settings);
-    names.append(names.empty() ? "" : ", ").append(kind.name);
-  }
-  return fail("unknown kind of camera \"" + settings.kind + "\"", "camera.kind", "known kinds: " + names);
+  const Result<CameraKind> kind = kind_of(settings);
+  if (!kind) return tl::unexpected(kind.error());
+  return kind->open(settings);
+}
+
+DeviceReport probe_camera(const CameraSettings& settings) {
+  const Result<CameraKind> kind = kind_of(settings);
+  if (!kind) return {"camera", {}, settings.address, false, kind.error().what, kind.error().remedy};
+  return kind->probe(settings);
 }
 
 std::vector<DeviceReport> find_cameras() {

@@ -39,15 +39,28 @@ DeviceReport try_port(const std::string& port) {
   return report;
 }
 
-}  // namespace
-
-Result<std::unique_ptr<Stage>> open_stage(const StageSettings& settings) {
+Result<StageKind> kind_of(const StageSettings& settings) {
   std::string names;
   for (const StageKind& kind : kinds) {
-    if (kind.name == settings.kind) return kind.open(settings);
+    if (kind.name == settings.kind) return kind;
     names.append(names.empty() ? "" : ", ").append(kind.name);
   }
   return fail("unknown kind of stage \"" + settings.kind + "\"", "stage.kind", "known kinds: " + names);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Stage>> open_stage(const StageSettings& settings) {
+  const Result<StageKind> kind = kind_of(settings);
+  if (!kind) return tl::unexpected(kind.error());
+  return kind->open(settings);
+}
+
+DeviceReport probe_stage(const StageSettings& settings) {
+  const Result<StageKind> kind = kind_of(settings);
+  const Result<std::string> name = kind ? kind->identify(settings.path) : tl::unexpected(kind.error());
+  if (!name) return {"stage", {}, settings.path, false, name.error().what, name.error().remedy};
+  return {"stage", *name, settings.path, true, {}, {}};
 }
 
 std::vector<DeviceReport> find_stages(const std::string& path) {

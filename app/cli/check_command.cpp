@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/commands.h"
+#include "app/cli/print_result.h"
 #include "luminaire/bench.h"
 #include "luminaire/dataset.h"
 #include "luminaire/plan.h"
@@ -17,10 +18,19 @@ struct Finding {
   std::string path, kind;
   std::vector<std::string> problems, notes;
   std::string detail;
+  bool there = true;
 };
 
+/// What cannot be found, and a folder without manifest, is no unsound dataset but none.
+Finding absent(const std::string& path, std::string why) {
+  return {path, "", {Error{std::move(why), path, "check the path"}.message()}, {}, {}, false};
+}
+
 Finding check_folder(const std::string& path) {
-  Finding finding{path, "dataset", {}, {}, {}};
+  std::error_code wrong;
+  if (!std::filesystem::exists(std::filesystem::path(path) / "luminaire.json", wrong) && !wrong)
+    return absent(path, "there is no dataset there, only a folder without luminaire.json");
+  Finding finding{path, "dataset", {}, {}, {}, true};
   Result<CheckReport> report = check_dataset(path);
   if (!report) {
     finding.problems.push_back(report.error().message());
@@ -53,7 +63,7 @@ void take(Finding& finding, const Result<T>& read) {
 }
 
 Finding check_file(const std::string& path) {
-  Finding finding{path, "file", {}, {}, {}};
+  Finding finding{path, "file", {}, {}, {}, true};
   const Result<std::string> format = format_of(path);
   if (!format) {
     finding.problems.push_back(format.error().message());
@@ -74,10 +84,22 @@ Finding check_file(const std::string& path) {
 }
 
 void print(const Finding& finding) {
+  if (!finding.there) {
+    std::printf("%s\n", finding.problems.front().c_str());
+    return;
+  }
   std::printf("%s: %s%s%s\n", finding.path.c_str(), finding.problems.empty() ? "sound" : "NOT sound",
               finding.detail.empty() ? "" : ", ", finding.detail.c_str());
   for (const std::string& problem : finding.problems) std::printf("  problem: %s\n", problem.c_str());
   for (const std::string& note : finding.notes) std::printf("  note: %s\n", note.c_str());
+}
+
+Finding check(const std::string& path) {
+  std::error_code wrong;
+  const std::filesystem::file_status status = std::filesystem::status(path, wrong);
+  if (status.type() == std::filesystem::file_type::not_found)
+    return absent(path, "there is no dataset and no file there");
+  return std::filesystem::is_directory(status) ? check_folder(path) : check_file(path);
 }
 
 }  // namespace
@@ -86,20 +108,18 @@ int run_check(const CheckOptions& options) {
   bool sound = true;
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const std::string& path : options.paths) {
-    const Finding finding = std::filesystem::is_directory(path) ? check_folder(path) : check_file(path);
+    const Finding finding = check(path);
     sound = sound && finding.problems.empty();
     if (!options.json) print(finding);
     list.push_back({{"path", finding.path},
+                    {"there", finding.there},
                     {"kind", finding.kind},
                     {"sound", finding.problems.empty()},
                     {"problems", finding.problems},
                     {"notes", finding.notes},
                     {"detail", finding.detail}});
   }
-  if (options.json)
-    std::printf("%s\n", nlohmann::ordered_json{{"sound", sound}, {"checked", list}}
-                            .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)
-                            .c_str());
+  if (options.json) std::printf("%s\n", dump_json({{"sound", sound}, {"checked", list}}).c_str());
   return sound ? exit_done : exit_failed;
 }
 

@@ -3,24 +3,15 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
 #include <charconv>
 #include <cstdio>
 #include <exception>
-#include <nlohmann/json.hpp>
+#include <filesystem>
 
 #include "app/cli/commands.h"
 
 namespace lumifield {
-
-int report_error(const Error& error, bool json) {
-  std::fprintf(stderr, "lumifield: %s\n", error.message().c_str());
-  if (json) {
-    const nlohmann::ordered_json object{
-        {"error", {{"what", error.what}, {"where", error.where}, {"remedy", error.remedy}}}};
-    std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-  }
-  return exit_failed;
-}
 
 Result<std::pair<int, int>> parse_size(const std::string& text) {
   constexpr int largest = 16384;
@@ -37,6 +28,30 @@ Result<std::pair<int, int>> parse_size(const std::string& text) {
 
 namespace {
 
+/// Each refuses as wrong use.
+CLI::Validator picture_size() {
+  const auto fault = [](const std::string& text) {
+    const auto size = parse_size(text);
+    return size ? std::string() : size.error().what + "; " + size.error().remedy;
+  };
+  return {fault, "WIDTHxHEIGHT"};
+}
+CLI::Validator picture_file() {
+  const auto fault = [](const std::string& text) {
+    const std::string extension = std::filesystem::path(text).extension().string();
+    const bool known = extension == ".exr" || extension == ".png";
+    return known ? std::string() : "the format of '" + text + "' is not known; end its name in .exr or .png";
+  };
+  return {fault, "FILE.exr|FILE.png"};
+}
+CLI::Validator method_name() { return CLI::IsMember({"closed-form"}); }
+
+/// CLI11 says that a sub-command is missing when it does not know the one given.
+const char* unknown_subcommand(const CLI::App& app, const std::vector<std::string>& rest) {
+  return app.get_subcommands().empty() && !rest.empty() && !rest.front().starts_with("-") ? rest.front().c_str()
+                                                                                          : nullptr;
+}
+
 void add_scan(CLI::App& app, ScanOptions& o) {
   CLI::App* scan = app.add_subcommand("scan", "Scan a lamp without a window");
   scan->add_option("--bench", o.bench, "Bench file")->envname("LUMIFIELD_BENCH")->required();
@@ -45,7 +60,7 @@ void add_scan(CLI::App& app, ScanOptions& o) {
   scan->add_flag("--resume", o.resume, "Go on with a dataset that is there");
   scan->add_option("--preview", o.preview, "Scene file: pictures of it are made after 5, 50 and 100 % of the cells");
   scan->add_option("--pictures", o.pictures, "Folder for these pictures (default: beside the dataset)");
-  scan->add_option("--size", o.size, "Size of these pictures")->capture_default_str();
+  scan->add_option("--size", o.size, "Size of these pictures")->check(picture_size())->capture_default_str();
   scan->add_option("--exposure", o.exposure, "Exposure of their tone curve")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -56,14 +71,16 @@ void add_render(CLI::App& app, RenderOptions& o) {
   CLI::App* render = app.add_subcommand("render", "Render one picture of a scene lit by a luminaire");
   render->add_option("--luminaire", o.luminaire, "Dataset folder")->required();
   render->add_option("--scene", o.scene, "Scene file")->required();
-  render->add_option("--method", o.method, "closed-form")->capture_default_str();
-  render->add_option("--size", o.size, "Picture size")->capture_default_str();
+  render->add_option("--method", o.method, "How the light is computed")->check(method_name())->capture_default_str();
+  render->add_option("--size", o.size, "Picture size")->check(picture_size())->capture_default_str();
   render->add_option("--exposure", o.exposure, "Exposure of the tone curve (PNG)")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   render->add_option("--white", o.white, "Radiance that the tone curve takes as average; 0: the picture's own")
       ->check(CLI::NonNegativeNumber);
-  render->add_option("--out", o.out, "FILE.exr (linear radiance) or FILE.png (tone-mapped)")->required();
+  render->add_option("--out", o.out, "Linear radiance (EXR) or tone-mapped (PNG); a file of that name is replaced")
+      ->check(picture_file())
+      ->required();
   render->add_flag("--json", o.json, "Print the figures as one JSON object");
 }
 
@@ -72,11 +89,14 @@ void add_probe(CLI::App& app, ProbeOptions& o) {
   probe->add_option("--luminaire", o.luminaire, "Dataset folder")->required();
   probe->add_option("--points", o.points, "CSV with columns x_mm,y_mm,z_mm,nx,ny,nz in the luminaire frame")
       ->required();
-  probe->add_option("--method", o.method, "closed-form")->capture_default_str();
+  probe->add_option("--method", o.method, "How the light is computed")->check(method_name())->capture_default_str();
   probe->add_option("--device", o.device, "host (double precision) or opencl")
       ->check(CLI::IsMember({"host", "opencl"}))
       ->capture_default_str();
-  probe->add_option("--out", o.out, "CSV to write: the same points with a column E_<channel> each")->required();
+  probe
+      ->add_option("--out", o.out,
+                   "CSV to write: the same points with a column E_<channel> each; a file of that name is replaced")
+      ->required();
   probe->add_flag("--json", o.json, "Print the figures as one JSON object");
 }
 
@@ -89,6 +109,8 @@ void add_check(CLI::App& app, CheckOptions& o) {
 void add_devices(CLI::App& app, DevicesOptions& o) {
   CLI::App* devices =
       app.add_subcommand("devices", "List cameras, stages, OpenCL and OpenGL; for each not usable, why");
+  devices->add_option("--bench", o.bench, "Bench file whose camera and stage are tried too")
+      ->envname("LUMIFIELD_BENCH");
   devices->add_option("--stage", o.stage_path, "Serial port to try as well");
   devices->add_flag("--json", o.json, "Print the list as one JSON object");
 }
@@ -110,6 +132,11 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    const std::vector<std::string> rest = app.remaining();
+    if (const char* name = unknown_subcommand(app, rest); name && error.get_exit_code() != 0) {
+      std::fprintf(stderr, "lumifield: '%s' is not a sub-command; `lumifield --help` lists them\n", name);
+      return exit_wrong_use;
+    }
     const int code = app.exit(error);
     return code == 0 ? exit_done : exit_wrong_use;
   }

@@ -43,7 +43,7 @@ struct CheckOptions {
 int run_check(const CheckOptions& options);
 
 struct DevicesOptions {
-  std::string stage_path;
+  std::string bench, stage_path;
   bool json = false;
 };
 int run_devices(const DevicesOptions& options);

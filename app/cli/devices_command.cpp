@@ -1,46 +1,92 @@
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "acquisition/camera.h"
 #include "acquisition/stage.h"
 #include "app/cli/commands.h"
+#include "app/cli/print_result.h"
+#include "luminaire/bench.h"
 #include "renderer/renderer.h"
 
 namespace lumifield {
 
 namespace {
 
+/// A device and, when a bench file names it, that file.
+struct Found {
+  DeviceReport device;
+  std::string bench;
+};
+
 DeviceReport report_of(const std::string& role, const Result<std::string>& probed) {
   if (probed) return {role, *probed, "", true, "", ""};
   return {role, "", probed.error().where, false, probed.error().what, probed.error().remedy};
 }
 
+/// Marks the device of a bench file among those found, or adds it.
+void name_by_bench(std::vector<Found>& found, DeviceReport device, const std::string& bench) {
+  const auto same = [&](const Found& f) { return f.device.role == device.role && f.device.address == device.address; };
+  const auto at = std::find_if(found.begin(), found.end(), same);
+  if (at == found.end())
+    found.push_back({std::move(device), bench});
+  else
+    at->bench = bench;
+}
+
+DeviceReport none(const std::string& role) {
+  return {role,
+          "",
+          "",
+          false,
+          "none found",
+          role == "stage" ? "connect one and give it power, or name its port with --stage or in a bench file"
+                          : "connect one and give it power, or name its address in a bench file"};
+}
+
+std::vector<Found> find_devices(const DevicesOptions& options) {
+  std::vector<Found> found{{report_of("opencl", probe_opencl()), ""}, {report_of("opengl", probe_opengl()), ""}};
+  const auto bench = options.bench.empty() ? std::optional<Result<Bench>>() : read_bench(options.bench);
+  if (bench && !*bench) {
+    const Error& error = bench->error();
+    found.push_back({{"bench", "", error.where, false, error.what, error.remedy}, ""});
+  }
+  const bool named = bench && *bench;
+  for (DeviceReport& camera : find_cameras()) found.push_back({std::move(camera), ""});
+  if (named) name_by_bench(found, probe_camera((*bench)->camera), options.bench);
+  for (DeviceReport& stage : find_stages(options.stage_path)) found.push_back({std::move(stage), ""});
+  if (named) name_by_bench(found, probe_stage((*bench)->stage), options.bench);
+  for (const char* role : {"camera", "stage"})
+    if (std::none_of(found.begin(), found.end(), [&](const Found& f) { return f.device.role == role; }))
+      found.push_back({none(role), ""});
+  return found;
+}
+
+void print(const Found& found) {
+  const DeviceReport& d = found.device;
+  const std::string place = d.name.empty() || d.address.empty() ? d.address : " at " + d.address;
+  std::printf("%-7s %-11s %s%s%s\n", d.role.c_str(), d.usable ? "usable" : "not usable", d.name.c_str(), place.c_str(),
+              found.bench.empty() ? "" : (" (named in " + found.bench + ")").c_str());
+  if (!d.usable) std::printf("%20s%s; %s\n", "", d.reason.c_str(), d.remedy.c_str());
+}
+
 }  // namespace
 
 int run_devices(const DevicesOptions& options) {
-  std::vector<DeviceReport> reports{report_of("opencl", probe_opencl()), report_of("opengl", probe_opengl())};
-  for (auto& found : {find_cameras(), find_stages(options.stage_path)})
-    reports.insert(reports.end(), found.begin(), found.end());
-
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const DeviceReport& r : reports) {
-    list.push_back({{"role", r.role},
-                    {"name", r.name},
-                    {"address", r.address},
-                    {"usable", r.usable},
-                    {"reason", r.reason},
-                    {"remedy", r.remedy}});
-    if (options.json) continue;
-    std::printf("%-7s %-11s %s%s%s\n", r.role.c_str(), r.usable ? "usable" : "not usable", r.name.c_str(),
-                r.name.empty() || r.address.empty() ? "" : " at ", r.address.c_str());
-    if (!r.usable) std::printf("%20s%s; %s\n", "", r.reason.c_str(), r.remedy.c_str());
+  for (const Found& found : find_devices(options)) {
+    const DeviceReport& d = found.device;
+    if (!options.json) print(found);
+    list.push_back({{"role", d.role},
+                    {"name", d.name},
+                    {"address", d.address},
+                    {"usable", d.usable},
+                    {"reason", d.reason},
+                    {"remedy", d.remedy},
+                    {"bench", found.bench}});
   }
-  if (options.json) std::printf("%s\n", nlohmann::ordered_json{{"devices", list}}.dump().c_str());
-  for (const char* role : {"camera", "stage"})
-    if (!options.json &&
-        std::none_of(reports.begin(), reports.end(), [&](const DeviceReport& r) { return r.role == role; }))
-      std::printf("%-7s none found; connect one and give it power%s\n", role,
-                  role == std::string("stage") ? ", or name its port with --stage" : "");
+  if (options.json) std::printf("%s\n", dump_json({{"devices", list}}).c_str());
   return exit_done;
 }
 

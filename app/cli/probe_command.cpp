@@ -4,6 +4,7 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/points_csv.h"
+#include "app/cli/print_result.h"
 #include "luminaire/dataset.h"
 #include "renderer/methods/closed_form.h"
 
@@ -35,8 +36,6 @@ Result<std::vector<double>> probe_opencl_device(const LightField& light_field, c
 }
 
 Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
-  if (options.method != "closed-form")
-    return fail("'" + options.method + "' is not a method", "--method", "use closed-form");
   auto points = read_points_csv(options.points);
   if (!points) return tl::unexpected(points.error());
   auto dataset = read_dataset(options.luminaire);
@@ -65,14 +64,12 @@ Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
 }  // namespace
 
 int run_probe(const ProbeOptions& options) {
-  const auto result = probe(options);
-  if (!result) return report_error(result.error(), options.json);
-  if (options.json)
-    std::printf("%s\n", result->dump().c_str());
-  else
-    std::printf("%s: irradiance of %d points in %s, %.3f s\n", options.out.c_str(), (*result)["points"].get<int>(),
-                (*result)["unit"].get<std::string>().c_str(), (*result)["time_s"].get<double>());
-  return exit_done;
+  return print_result(probe(options), options.json, [](const nlohmann::ordered_json& r) {
+    char figures[64];
+    std::snprintf(figures, sizeof figures, "%d points in %s, %.3f s", r["points"].get<int>(),
+                  r["unit"].get<std::string>().c_str(), r["time_s"].get<double>());
+    return r["out"].get<std::string>() + ": irradiance of " + figures;
+  });
 }
 
 }  // namespace lumifield

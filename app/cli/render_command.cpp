@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/commands.h"
+#include "app/cli/print_result.h"
 #include "luminaire/dataset.h"
 #include "luminaire/scene.h"
 #include "renderer/renderer.h"
@@ -19,11 +20,6 @@ Status write_picture(const Picture& picture, const RenderOptions& options) {
 }
 
 Result<nlohmann::ordered_json> render(const RenderOptions& options) {
-  if (options.method != "closed-form")
-    return fail("'" + options.method + "' is not a method", "--method", "use closed-form");
-  const std::string extension = std::filesystem::path(options.out).extension().string();
-  if (extension != ".exr" && extension != ".png")
-    return fail("the picture's format is not known", "--out " + options.out, "end its name in .exr or .png");
   const auto size = parse_size(options.size);
   if (!size) return tl::unexpected(size.error());
   auto scene = read_scene(options.scene);
@@ -62,15 +58,12 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
 }  // namespace
 
 int run_render(const RenderOptions& options) {
-  const auto result = render(options);
-  if (!result) return report_error(result.error(), options.json);
-  if (options.json)
-    std::printf("%s\n", result->dump().c_str());
-  else
-    std::printf("%s: %d of %d cells, %.2f s; left out: %s\n", options.out.c_str(), (*result)["cells"].get<int>(),
-                (*result)["cells_total"].get<int>(), (*result)["time_s"].get<double>(),
-                (*result)["left_out"].get<std::string>().c_str());
-  return exit_done;
+  return print_result(render(options), options.json, [](const nlohmann::ordered_json& r) {
+    char figures[64];
+    std::snprintf(figures, sizeof figures, "%d of %d cells, %.2f s", r["cells"].get<int>(), r["cells_total"].get<int>(),
+                  r["time_s"].get<double>());
+    return r["out"].get<std::string>() + ": " + figures + "; left out: " + r["left_out"].get<std::string>();
+  });
 }
 
 }  // namespace lumifield

@@ -118,14 +118,15 @@ int run_scan(const ScanOptions& options) {
       }
     }
   }
-  line.end();
   watcher.reset();
 
   auto summary = (*session)->wait();
   if (!summary) {
+    line.end();
     report_error(summary.error(), options.json);
     return summary.error().kind == ErrorKind::stopped ? exit_stopped : exit_failed;
   }
+  line.done(*summary);
   std::fputs((options.json ? summary_json(*summary) + "\n" : summary_text(*summary)).c_str(), stdout);
   return picture_error ? exit_failed : exit_done;
 }

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "app/cli/print_result.h"
+
 namespace lumifield {
 
 namespace {
@@ -39,22 +41,50 @@ std::string minutes(double seconds) {
   return format("%ld:%02ld", s / 60, s % 60);
 }
 
+std::string bar(int done, int total) {
+  constexpr int width = 30;
+  const int filled = total > 0 ? width * done / total : 0;
+  std::string text(static_cast<std::size_t>(filled), '#');
+  text.resize(width, '.');
+  return "[" + text + "] " + format("%d of %d cells", done, total);
+}
+
+std::string there_before(int cells) { return cells > 0 ? format(", %d there before", cells) : ""; }
+
 }  // namespace
+
+std::string progress_text(const ScanProgress& p) {
+  const std::string cells = bar(p.cells_done, p.cells_total) + there_before(p.cells_before);
+  const std::string state(to_string(p.state));
+  if (is_final(p.state)) return cells + ", " + state + " after " + minutes(p.elapsed_s);
+  return cells +
+         format(", %s elapsed, %s left, %-10s", minutes(p.elapsed_s).c_str(), minutes(p.left_s).c_str(), state.c_str());
+}
+
+std::string done_text(const ScanSummary& s) {
+  const std::string cells = bar(s.coverage.measured, s.coverage.total);
+  if (s.nothing_left()) return cells + ", done before";
+  return cells + there_before(s.cells_before) + ", done in " + minutes(s.timing.total_s);
+}
 
 ProgressLine::ProgressLine() : terminal_(isatty(STDERR_FILENO) != 0) {}
 
 void ProgressLine::show(const ScanProgress& progress) {
-  const double share = progress.cells_total > 0 ? static_cast<double>(progress.cells_done) / progress.cells_total : 0;
-  const int tenth = static_cast<int>(share * 10);
-  if (!terminal_ && tenth == last_tenth_) return;
+  if (progress.state == ScanState::done) return;
+  const int tenth = progress.cells_total > 0 ? 10 * progress.cells_done / progress.cells_total : 0;
+  if (!terminal_ && tenth == last_tenth_ && !is_final(progress.state)) return;
   last_tenth_ = tenth;
-  constexpr int width = 30;
-  const int filled = static_cast<int>(share * width);
-  std::string bar(static_cast<std::size_t>(filled), '#');
-  bar.resize(width, '.');
-  std::fprintf(stderr, "%s[%s] %d of %d cells, %s elapsed, %s left, %-10s%s", terminal_ ? "\r" : "", bar.c_str(),
-               progress.cells_done, progress.cells_total, minutes(progress.elapsed_s).c_str(),
-               minutes(progress.left_s).c_str(), std::string(to_string(progress.state)).c_str(), terminal_ ? "" : "\n");
+  print(progress_text(progress));
+}
+
+void ProgressLine::done(const ScanSummary& summary) {
+  print(done_text(summary));
+  end();
+}
+
+void ProgressLine::print(const std::string& text) {
+  // What is left of a longer line is erased.
+  std::fprintf(stderr, terminal_ ? "\r%s\033[K" : "%s\n", text.c_str());
   std::fflush(stderr);
   open_ = terminal_;
 }
@@ -71,8 +101,9 @@ void ProgressLine::end() {
 
 std::string summary_text(const ScanSummary& s) {
   const ScanTiming& t = s.timing;
-  std::string text = format("%s: %d of %d cells in %s\n", s.dataset.string().c_str(), s.coverage.measured,
-                            s.coverage.total, minutes(t.total_s).c_str());
+  const std::string cells = s.dataset.string() + format(": %d of %d cells", s.coverage.measured, s.coverage.total);
+  if (s.nothing_left()) return cells + ", complete before: nothing was left to measure\n";
+  std::string text = cells + there_before(s.cells_before) + ", in " + minutes(t.total_s) + "\n";
   text += format("  camera    %s\n  stage     %s\n", s.camera.c_str(), s.stage.c_str());
   text +=
       format("  time      move %.1f s, settle %.1f s, exposure %.1f s, readout %.1f s, waiting %.1f s, other %.1f s\n",
@@ -92,6 +123,7 @@ std::string summary_json(const ScanSummary& s) {
   json["dataset"] = s.dataset.string();
   json["cells"] = s.coverage.measured;
   json["cells_total"] = s.coverage.total;
+  json["cells_before"] = s.cells_before;
   json["camera"] = s.camera;
   json["stage"] = s.stage;
   json["timing_s"] = {{"total", t.total_s},       {"move", t.move_s},       {"settle", t.settle_s},
@@ -107,7 +139,7 @@ std::string summary_json(const ScanSummary& s) {
   json["cells_with_warnings"] = s.cells_with_warnings;
   json["opengl"] = s.opengl;
   json["opencl"] = s.opencl;
-  return json.dump();
+  return dump_json(json);
 }
 
 }  // namespace lumifield

@@ -29,7 +29,9 @@ class QueueSink : public ScanSink {
     pipeline_.tell_reading(reading);
     pipeline_.events.push(reading);
   }
-  void progress(const ScanProgress& progress) override { pipeline_.events.try_push(progress); }
+  void progress(const ScanProgress& progress) override {
+    is_final(progress.state) ? pipeline_.events.push(progress) : pipeline_.events.try_push(progress);
+  }
   void seen(const Bracket& bracket, const std::string& place, const Vec2& stage_mm) override {
     if (!view_) return;
     view_->set_stage_mm(stage_mm);

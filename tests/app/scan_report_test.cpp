@@ -1,0 +1,73 @@
+#include "app/cli/scan_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace lumifield {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+ScanProgress progress(ScanState state, int done, int before) {
+  ScanProgress p;
+  p.state = state, p.cells_done = done, p.cells_total = 63, p.cells_before = before;
+  p.elapsed_s = 75, p.left_s = 9;
+  return p;
+}
+
+ScanSummary summary(int before) {
+  ScanSummary s;
+  s.dataset = "lamp.lumi";
+  s.coverage.measured = s.coverage.total = 63;
+  s.cells_before = before;
+  s.timing.total_s = 78;
+  return s;
+}
+
+std::string printed(const std::vector<ScanProgress>& reports, const ScanSummary& end) {
+  testing::internal::CaptureStderr();
+  ProgressLine line;
+  for (const ScanProgress& report : reports) line.show(report);
+  line.done(end);
+  return testing::internal::GetCapturedStderr();
+}
+
+TEST(ScanReport, ProgressNamesTheCellsThatWereThere) {
+  EXPECT_EQ(progress_text(progress(ScanState::moving, 21, 0)),
+            "[##########....................] 21 of 63 cells, 1:15 elapsed, 0:09 left, moving    ");
+  EXPECT_THAT(progress_text(progress(ScanState::moving, 21, 20)), HasSubstr("21 of 63 cells, 20 there before, 1:15"));
+  EXPECT_THAT(progress_text(progress(ScanState::stopped, 21, 0)), HasSubstr("21 of 63 cells, stopped after 1:15"));
+}
+
+TEST(ScanReport, TheLastLineSaysDone) {
+  const std::string text = printed(
+      {progress(ScanState::moving, 62, 0), progress(ScanState::moving, 63, 0), progress(ScanState::done, 63, 0)},
+      summary(0));
+  EXPECT_THAT(text, testing::EndsWith("\n[##############################] 63 of 63 cells, done in 1:18\n"));
+  EXPECT_THAT(printed({}, summary(40)), HasSubstr("63 of 63 cells, 40 there before, done in 1:18\n"));
+  EXPECT_THAT(printed({}, summary(63)), HasSubstr("63 of 63 cells, done before\n"));
+}
+
+TEST(ScanReport, AScanThatEndsEarlySaysHowFarItCame) {
+  const std::string text =
+      printed({progress(ScanState::moving, 20, 0), progress(ScanState::failed, 20, 0)}, summary(0));
+  EXPECT_THAT(text, HasSubstr("20 of 63 cells, failed after 1:15\n"));
+}
+
+TEST(ScanReport, TheSummaryNamesTheCellsThatWereThere) {
+  EXPECT_THAT(summary_text(summary(0)), testing::StartsWith("lamp.lumi: 63 of 63 cells, in 1:18\n"));
+  EXPECT_THAT(summary_text(summary(40)), testing::StartsWith("lamp.lumi: 63 of 63 cells, 40 there before, in 1:18\n"));
+  EXPECT_EQ(summary_text(summary(63)), "lamp.lumi: 63 of 63 cells, complete before: nothing was left to measure\n");
+  EXPECT_EQ(nlohmann::json::parse(summary_json(summary(40)))["cells_before"], 40);
+}
+
+TEST(ScanReport, APathThatIsNotUtf8DoesNotBreakTheJson) {
+  ScanSummary s = summary(0);
+  s.dataset = "lamp\xff.lumi";
+  EXPECT_EQ(nlohmann::json::parse(summary_json(s))["dataset"], "lamp\xEF\xBF\xBD.lumi");
+}
+
+}  // namespace
+}  // namespace lumifield
