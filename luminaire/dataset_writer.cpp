@@ -63,6 +63,12 @@ Status fill_folder(const fs::path& folder, const Manifest& manifest) {
   return write_file_durably(folder / manifest_name, to_json(manifest));
 }
 
+/// Names the folder that is to be, not the one it is made as.
+Error renamed(Error error, const fs::path& from, const fs::path& to) {
+  if (error.where.starts_with(from.string())) error.where.replace(0, from.string().size(), to.string());
+  return error;
+}
+
 /// Removes files in `cells` that carry our names but no entry, and temporary ones: an interrupted add() left them.
 Status remove_leftovers(const fs::path& folder, const Manifest& all_entries) {
   static const std::regex ours(R"(r\d+_c\d+\.\d+\.exr(\.tmp)?)");
@@ -108,7 +114,7 @@ Result<DatasetWriter> DatasetWriter::create(const fs::path& given, Manifest mani
   if (done) done = rename_folder(unfinished, folder);
   if (done) return writer;
   remove_unfinished(unfinished);
-  return fail_in("new dataset", done.error());
+  return fail_in("new dataset", renamed(done.error(), unfinished, folder));
 }
 
 Result<DatasetWriter> DatasetWriter::resume(const fs::path& given, const LuminaireGeometry& expected) {

@@ -118,7 +118,7 @@ Status write_file_durably(const fs::path& file, std::string_view bytes) {
     return fail("is no regular file", file.string(), "choose another name");
   const fs::path temporary = temporary_name(file);
   FileHandle handle(open_retrying(temporary, O_WRONLY | O_CREAT | O_TRUNC, file_mode));
-  if (!handle) return system_failure("could not be made", temporary, errno);
+  if (!handle) return system_failure("could not be made", file, errno);
   int code = write_all(handle.get(), bytes);
   if (code == 0) code = sync_and_close(std::move(handle));
   if (code == 0 && ::rename(temporary.c_str(), file.c_str()) != 0) code = errno;

@@ -41,7 +41,8 @@ tl::unexpected<Error> system_failure(std::string_view action, const std::filesys
 Result<std::string> read_file(const std::filesystem::path& file, std::uintmax_t most_bytes);
 
 /// Writes `bytes` as `file` so that it is either there as a whole after a power cut or not at all: temporary name in
-/// the same folder, write, fsync, rename, fsync of the folder. On failure nothing is left behind. Refuses to replace
+/// the same folder, write, fsync, rename, fsync of the folder. On failure nothing is left behind, and the Error names
+/// `file`. Refuses to replace
 /// what is no regular file: a device, a pipe, a folder.
 Status write_file_durably(const std::filesystem::path& file, std::string_view bytes);
 

@@ -32,5 +32,11 @@ TEST(FileIo, ReplacesRegularFilesAlone) {
   fs::remove_all(folder);
 }
 
+TEST(FileIo, NamesTheFileAndNotItsTemporaryName) {
+  const Status written = write_file_durably("/nowhere/file", "text");
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().where, "/nowhere/file");
+}
+
 }  // namespace
 }  // namespace lumifield
