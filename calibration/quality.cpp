@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "calibration/bracket_merge.h"
+
 namespace lumifield {
 namespace {
 
@@ -31,25 +33,39 @@ double share(const CellImage& image, bool every, Fault fault) {
   return static_cast<double>(count) / static_cast<double>(image.plane());
 }
 
-bool holds_light(const float* value, const float* variance, std::size_t pixels) {
-  std::size_t above = 0;
-  for (std::size_t p = 0; p < pixels; ++p) above += value[p] > lit_sigmas * std::sqrt(variance[p]);
-  return static_cast<double>(above) >= least_lit_share * static_cast<double>(pixels);
+/// NaN without a reference reading.
+double reference_value(const RawCell& raw, const Bench& bench, int channel) {
+  const RawPass& pass = raw.passes.front();
+  if (pass.bracket.empty() || !(raw.reference_dn_per_s > 0)) return std::numeric_limits<double>::quiet_NaN();
+  const double electrons_per_s = raw.reference_dn_per_s / dn_per_electron(bench.sensor, pass.bracket.back());
+  const double responsivity = bench.sensor.responsivity[static_cast<std::size_t>(channel)];
+  return bench.filter.passes.front().scale * electrons_per_s / (responsivity * bench.filter.spacing_mm.prod());
 }
 
-double median_snr(const CellImage& image) {
+/// value/σ of the lit pixels of one channel; empty when it is dark.
+std::vector<float> lit_snr(std::span<const float> value, std::span<const float> variance, double reference) {
+  const bool by_itself = std::isnan(reference);
+  const double least =
+      by_itself ? lit_share * *std::max_element(value.begin(), value.end()) : lit_reference_share * reference;
   std::vector<float> snr;
-  for (int c = 0; c < image.channels; ++c) {
-    const float* value = image.channel(c);
-    const float* variance = image.variance.data() + static_cast<std::size_t>(c) * image.plane();
-    const float least = lit_share * *std::max_element(value, value + image.plane());
-    if (!(least > 0) || !holds_light(value, variance, image.plane())) continue;
-    for (std::size_t p = 0; p < image.plane(); ++p)
-      if (value[p] > least && variance[p] > 0) snr.push_back(value[p] / std::sqrt(variance[p]));
+  for (std::size_t p = 0; p < value.size(); ++p) {
+    const float sigma = std::sqrt(variance[p]);
+    if (value[p] > least && sigma > 0 && (!by_itself || value[p] > lit_sigmas * sigma)) snr.push_back(value[p] / sigma);
   }
-  if (snr.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = snr.begin() + static_cast<std::ptrdiff_t>(snr.size() / 2);
-  std::nth_element(snr.begin(), middle, snr.end());
+  if (static_cast<double>(snr.size()) < least_lit_share * static_cast<double>(value.size())) snr.clear();
+  return snr;
+}
+
+double median_snr(const CellImage& image, const RawCell& raw, const Bench& bench) {
+  std::vector<float> all;
+  for (int c = 0; c < image.channels; ++c) {
+    const std::span variance(image.variance.data() + static_cast<std::size_t>(c) * image.plane(), image.plane());
+    const std::vector<float> snr = lit_snr({image.channel(c), image.plane()}, variance, reference_value(raw, bench, c));
+    all.insert(all.end(), snr.begin(), snr.end());
+  }
+  if (all.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  std::nth_element(all.begin(), middle, all.end());
   return static_cast<double>(*middle);
 }
 
@@ -65,7 +81,7 @@ Quality judge(const CellImage& image, const ScreenFaults& faults, const RawCell&
   q.starved_share = share(image, true, [&](std::size_t i) {
     return faults.valid_share[i] >= least_valid_share && faults.electrons[i] <= read_noise;
   });
-  q.median_snr = median_snr(image);
+  q.median_snr = median_snr(image, raw, bench);
   q.position_error_mm = raw.position_error_mm;
   q.drift = raw.drift;
   q.dark_dn = dark_dn;
@@ -77,7 +93,9 @@ Quality judge(const CellImage& image, const ScreenFaults& faults, const RawCell&
     q.warnings.push_back(words("%.3g %% of the pixels are saturated in every exposure, above the plan's %.3g %%",
                                100 * q.saturated_share, 100 * plan.limits.saturated_share));
   if (q.median_snr < plan.limits.median_snr)
-    q.warnings.push_back(words("median SNR %.3g is below the plan's %.3g", q.median_snr, plan.limits.median_snr));
+    q.warnings.push_back(
+        words("median SNR %.3g of the lit pixels is below the plan's %.3g: longer exposures are needed", q.median_snr,
+              plan.limits.median_snr));
   if (q.position_error_mm > bench.tolerance_mm)
     q.warnings.push_back(words("the stage stood %.3g mm off, above the bench's tolerance of %.3g mm",
                                q.position_error_mm, bench.tolerance_mm));

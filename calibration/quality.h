@@ -18,19 +18,23 @@ struct ScreenFaults {
 
 /// Below this share of valid photosites a pixel of S has no value of its own.
 inline constexpr float least_valid_share = 0.5f;
-/// A channel holds light when this share of its pixels lies more than this many σ above zero: a cell beside the lamp is
-/// dark, and its noise is no signal.
-inline constexpr double least_lit_share = 0.001;
-inline constexpr float lit_sigmas = 5;
-/// In such a channel a pixel is lit above this share of the largest value.
+/// A pixel is lit when its value is above this share of the reference value: what the reference cell would have as its
+/// value if its mean signal, read at the start of the scan, lay in front of the camera's axis and came through the
+/// first pass alone. What is darker adds next to nothing to the luminaire, and its SNR says nothing about the exposure;
+/// where all of the scan is starved, this share itself lies in the noise and the SNR is low.
+inline constexpr double lit_reference_share = 0.01;
+/// Without a reference reading a pixel is lit above this share of the cell's largest value and this many σ.
 inline constexpr float lit_share = 0.05f;
+inline constexpr float lit_sigmas = 5;
+/// A channel of which a smaller share is lit is dark: a cell beside the lamp is, and its noise is no signal.
+inline constexpr double least_lit_share = 0.001;
 
 /// The figures of one cell and the plan's limits that it breaks, in words.
 ///
 /// saturated_share: pixels of S with less than half of what covers them valid, in any channel. starved_share: pixels
 /// whose mean signal in the longest exposure is within the read noise, in every channel. median_snr: median of value/σ
-/// over lit values of all channels; NaN for a dark cell, which is no fault. dark_dn: `dark_dn`, NaN without a dark set, which is a
-/// warning too. Pure.
+/// over the lit pixels of all channels; NaN for a dark cell, which is no fault. dark_dn: `dark_dn`, NaN without a dark
+/// set, which is a warning too. Pure.
 Quality judge(const CellImage& image, const ScreenFaults& faults, const RawCell& raw, double dark_dn,
               const Bench& bench, const Plan& plan);
 

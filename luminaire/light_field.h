@@ -85,7 +85,7 @@ struct LuminaireGeometry {
 struct Quality {
   double saturated_share = 0;         ///< pixels of S without any unsaturated exposure
   double starved_share = 0;           ///< pixels of S whose longest exposure lies within the read noise
-  double median_snr = 0;              ///< median over lit pixels of value/σ
+  double median_snr = 0;              ///< of value/σ over lit pixels (calibration/quality.h); NaN = a dark cell
   double position_error_mm = 0;       ///< commanded against read-back stage position, worst pass
   double drift = 0;                   ///< relative change of the reference cell since the scan began
   double dark_dn = 0;                 ///< mean of the dark set subtracted, longest exposure, DN

@@ -18,7 +18,7 @@ struct ReferenceCell {
 
 struct QualityLimits {
   double saturated_share = 0.001;
-  double median_snr = 20;
+  double median_snr = 20;  ///< of the lit pixels: those above 1 % of the reference cell's mean (calibration/quality.h)
 };
 
 /// The plan file ("format": "lumifield-plan", version 1): what to scan and how carefully. Value type.

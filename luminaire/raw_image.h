@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -50,6 +51,7 @@ struct RawCell {
   std::shared_ptr<const DarkSet> dark;
   double position_error_mm = 0;  ///< worst |read back − commanded| over the passes
   double drift = 0;              ///< last reference reading over the first, minus 1
+  double reference_dn_per_s = std::numeric_limits<double>::quiet_NaN();  ///< the first reading; NaN = none was taken
 };
 
 /// One visit to the reference cell.

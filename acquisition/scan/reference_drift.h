@@ -25,6 +25,8 @@ class ReferenceDrift {
 
   /// Of the last reading; 0 before the first.
   double drift() const { return drift_; }
+  /// To which the drift refers; 0 before the first.
+  double first_dn_per_s() const { return first_dn_per_s_; }
 
  private:
   std::optional<std::size_t> exposure_;  ///< index into the bracket

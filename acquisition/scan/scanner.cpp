@@ -150,6 +150,7 @@ Status Scanner::take(const CellStep& step) {
   }
   raw.dark = dark_;
   raw.drift = drift_.drift();
+  raw.reference_dn_per_s = drift_.first_dn_per_s();
 
   enter(ScanState::delivering);
   Stretch waiting(clock_, timing_.waiting_s);

@@ -114,6 +114,7 @@ std::string summary_text(const ScanSummary& s) {
   text += format("  reference %zu readings, largest drift %+.3f %%\n", s.references.size(), 100 * largest_drift(s));
   text +=
       format("  quality   %d cells with warnings, %d frames taken again\n", s.cells_with_warnings, s.frames_retaken);
+  text += "            (SNR is the median over lit pixels: above 1 % of the reference cell's mean)\n";
   return text;
 }
 

@@ -1,8 +1,8 @@
 #include "calibration/quality.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <random>
 
 namespace lumifield {
@@ -19,13 +19,20 @@ CellImage noisy(std::size_t lit, float level) {
   return image;
 }
 
-Quality quality_of(const CellImage& image, float valid_share = 1) {
+/// With a reference cell whose mean is `reference` in units of the values; 0 = none.
+Quality quality_of(const CellImage& image, float valid_share = 1, double reference = 0) {
   Bench bench;
   bench.sensor.read_noise_e = 3;
-  bench.filter.passes.resize(1);
+  bench.sensor.gain_dn_per_e = 0.5;
+  bench.sensor.responsivity = {4};
+  bench.filter.spacing_mm = {2, 3};
+  bench.filter.passes = {{"only", {0, 0}, 1.5}};
   Plan plan;
   RawCell raw;
   raw.dark = std::make_shared<DarkSet>();
+  raw.passes.resize(1);
+  raw.passes[0].bracket.resize(1);
+  if (reference > 0) raw.reference_dn_per_s = reference * 0.5 * 4 * 2 * 3 / 1.5;
   const ScreenFaults faults{std::vector<float>(image.value.size(), valid_share),
                             std::vector<float>(image.value.size(), 100.0f)};
   return judge(image, faults, raw, 64, bench, plan);
@@ -47,6 +54,29 @@ TEST(Quality, AFaintCellIsWarnedOf) {
   const Quality faint = quality_of(noisy(2000, 8));
   ASSERT_EQ(faint.warnings.size(), 1u);
   EXPECT_NE(faint.warnings[0].find("median SNR"), std::string::npos);
+}
+
+/// A rim cell: a few pixels of faint light beside a lamp that is bright elsewhere.
+TEST(Quality, ACellOfAWellExposedScanThatHoldsHardlyAnyLightIsNoFault) {
+  const Quality rim = quality_of(noisy(500, 8), 1, 5000);
+  EXPECT_TRUE(std::isnan(rim.median_snr));
+  EXPECT_TRUE(rim.warnings.empty()) << rim.warnings.front();
+}
+
+TEST(Quality, OnlyPixelsAboveAShareOfTheReferenceCount) {
+  CellImage image = noisy(2000, 200);
+  for (std::size_t p = 2000; p < 6000; ++p) image.value[p] += 20;
+  EXPECT_NEAR(quality_of(image, 1, 5000).median_snr, 200, 1);    // lit above 50
+  EXPECT_NEAR(quality_of(image, 1, 500).median_snr, 20.7, 0.5);  // lit above 5
+  EXPECT_TRUE(std::isnan(quality_of(image, 1, 50'000).median_snr));
+}
+
+TEST(Quality, AStarvedScanIsWarnedOfInLitAndInDarkCells) {
+  for (const CellImage& image : {noisy(5000, 8), noisy(0, 0)}) {
+    const Quality starved = quality_of(image, 1, 50);
+    ASSERT_EQ(starved.warnings.size(), 1u);
+    EXPECT_THAT(starved.warnings[0], testing::HasSubstr("lit pixels is below the plan's 20"));
+  }
 }
 
 TEST(Quality, SaturationAboveTheLimitIsWarnedOf) {
