@@ -165,7 +165,7 @@ Vec2 lamp_displacement_mm(const Bench& bench, const Vec2& stage_mm) {
   return bench.stage_to_luminaire.linear * stage_mm + bench.stage_to_luminaire.origin_mm;
 }
 
-Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vector<std::string>* defaults_taken) {
+Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vector<std::string>* notes) {
   Result<JsonDocument> document = JsonDocument::parse(json, name);
   if (!document) return tl::unexpected(document.error());
   document->note_unknown_keys();
@@ -184,14 +184,14 @@ Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vec
   b.camera_model = read_camera_model(root["camera_model"]);
   b.sensor = read_sensor(root["sensor"]);
   b.filter = read_filter(root["filter"]);
-  if (Status ok = document->finish(defaults_taken); !ok) return tl::unexpected(ok.error());
+  if (Status ok = document->finish(notes); !ok) return tl::unexpected(ok.error());
   return b;
 }
 
-Result<Bench> read_bench(const std::filesystem::path& file, std::vector<std::string>* defaults_taken) {
+Result<Bench> read_bench(const std::filesystem::path& file, std::vector<std::string>* notes) {
   const Result<std::string> text = read_file(file, JsonLimits{}.bytes);
   if (!text) return tl::unexpected(text.error());
-  return parse_bench(*text, file.string(), defaults_taken);
+  return parse_bench(*text, file.string(), notes);
 }
 
 std::string to_json(const Bench& b) {

@@ -101,11 +101,10 @@ struct Bench {
 /// carries the lamp, else 0.
 Vec2 lamp_displacement_mm(const Bench& bench, const Vec2& stage_mm);
 
-/// Defaults taken for absent members, and members that are not known, are told in `defaults_taken`, one text each.
-Result<Bench> read_bench(const std::filesystem::path& file, std::vector<std::string>* defaults_taken = nullptr);
+/// Defaults taken for absent members, and members that are not known, are told in `notes`, one text each.
+Result<Bench> read_bench(const std::filesystem::path& file, std::vector<std::string>* notes = nullptr);
 /// `name` stands for the file in error messages.
-Result<Bench> parse_bench(std::string_view json, std::string_view name,
-                          std::vector<std::string>* defaults_taken = nullptr);
+Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vector<std::string>* notes = nullptr);
 std::string to_json(const Bench& bench);
 
 }  // namespace lumifield

@@ -39,9 +39,9 @@ struct Manifest {
 /// Names the first member in which `a` is not `b`, in the manifest's words; empty when they describe one luminaire.
 std::optional<std::string> first_difference(const LuminaireGeometry& a, const LuminaireGeometry& b);
 
-/// Defaults taken for absent members are appended to `defaults_taken`, one text each.
+/// Defaults taken for absent members are told in `notes`, one text each.
 Result<Manifest> parse_manifest(std::string_view json, std::string_view name,
-                                std::vector<std::string>* defaults_taken = nullptr);
+                                std::vector<std::string>* notes = nullptr);
 std::string to_json(const Manifest& manifest);
 Result<CellEntry> parse_journal_line(std::string_view line, const LuminaireGeometry& geometry, std::string_view name);
 

@@ -135,8 +135,7 @@ Json json_of(const LuminaireGeometry& g) {
 
 }  // namespace
 
-Result<Manifest> parse_manifest(std::string_view json, std::string_view name,
-                                std::vector<std::string>* defaults_taken) {
+Result<Manifest> parse_manifest(std::string_view json, std::string_view name, std::vector<std::string>* notes) {
   Result<JsonDocument> document = JsonDocument::parse(json, name, manifest_limits);
   if (!document) return tl::unexpected(document.error());
   if (Status ok = document->check_format(format, version); !ok) return tl::unexpected(ok.error());
@@ -154,7 +153,7 @@ Result<Manifest> parse_manifest(std::string_view json, std::string_view name,
   } else {
     provenance.note_default("{}");
   }
-  if (Status ok = document->finish(defaults_taken); !ok) return tl::unexpected(ok.error());
+  if (Status ok = document->finish(notes); !ok) return tl::unexpected(ok.error());
   return manifest;
 }
 

@@ -36,10 +36,9 @@ struct Plan {
   QualityLimits limits;
 };
 
-/// Defaults taken for absent members, and members that are not known, are told in `defaults_taken`, one text each.
-Result<Plan> read_plan(const std::filesystem::path& file, std::vector<std::string>* defaults_taken = nullptr);
-Result<Plan> parse_plan(std::string_view json, std::string_view name,
-                        std::vector<std::string>* defaults_taken = nullptr);
+/// Defaults taken for absent members, and members that are not known, are told in `notes`, one text each.
+Result<Plan> read_plan(const std::filesystem::path& file, std::vector<std::string>* notes = nullptr);
+Result<Plan> parse_plan(std::string_view json, std::string_view name, std::vector<std::string>* notes = nullptr);
 std::string to_json(const Plan& plan);
 
 }  // namespace lumifield

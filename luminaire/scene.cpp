@@ -53,7 +53,7 @@ SceneCamera read_camera(const JsonValue& at) {
 }  // namespace
 
 Result<Scene> parse_scene(std::string_view json, std::string_view name, const std::filesystem::path& folder,
-                          std::vector<std::string>* defaults_taken) {
+                          std::vector<std::string>* notes) {
   Result<JsonDocument> document = JsonDocument::parse(json, name);
   if (!document) return tl::unexpected(document.error());
   document->note_unknown_keys();
@@ -67,14 +67,14 @@ Result<Scene> parse_scene(std::string_view json, std::string_view name, const st
   for (const JsonValue& each : root["luminaires"].elements(0, most_luminaires))
     scene.luminaires.push_back({each["pose"].rigid_pose(), each["scale"].number_or(1, not_negative)});
   if (root["environment"].present()) scene.environment = read_path(root["environment"], folder);
-  if (Status ok = document->finish(defaults_taken); !ok) return tl::unexpected(ok.error());
+  if (Status ok = document->finish(notes); !ok) return tl::unexpected(ok.error());
   return scene;
 }
 
-Result<Scene> read_scene(const std::filesystem::path& file, std::vector<std::string>* defaults_taken) {
+Result<Scene> read_scene(const std::filesystem::path& file, std::vector<std::string>* notes) {
   const Result<std::string> text = read_file(file, JsonLimits{}.bytes);
   if (!text) return tl::unexpected(text.error());
-  return parse_scene(*text, file.string(), file.parent_path(), defaults_taken);
+  return parse_scene(*text, file.string(), file.parent_path(), notes);
 }
 
 }  // namespace lumifield

@@ -38,10 +38,10 @@ struct Scene {
   std::optional<std::filesystem::path> environment;  ///< OpenEXR, latitude-longitude
 };
 
-/// Defaults taken for absent members, and members that are not known, are told in `defaults_taken`, one text each.
-Result<Scene> read_scene(const std::filesystem::path& file, std::vector<std::string>* defaults_taken = nullptr);
+/// Defaults taken for absent members, and members that are not known, are told in `notes`, one text each.
+Result<Scene> read_scene(const std::filesystem::path& file, std::vector<std::string>* notes = nullptr);
 /// `folder` is where relative paths start.
 Result<Scene> parse_scene(std::string_view json, std::string_view name, const std::filesystem::path& folder,
-                          std::vector<std::string>* defaults_taken = nullptr);
+                          std::vector<std::string>* notes = nullptr);
 
 }  // namespace lumifield
