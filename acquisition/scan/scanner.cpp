@@ -100,7 +100,7 @@ Status Scanner::pause() {
   if (!dark_) return {};
   return take(ReferenceStep{stage_target_mm(bench_, sampling_of(bench_, plan_).cell_center_mm(plan_.reference.cell)) +
                                 bench_.filter.passes.front().offset_mm,
-                            progress_.cells_done});
+                            progress_.cells_done - progress_.cells_before});
 }
 
 Status Scanner::retake(CellIndex cell) {

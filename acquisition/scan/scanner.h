@@ -17,7 +17,7 @@ namespace lumifield {
 
 struct ScanProgress {
   ScanState state = ScanState::idle;
-  int cells_done = 0, cells_total = 0;  ///< of the whole grid
+  int cells_done = 0, cells_total = 0;  ///< of the whole grid, and cells taken again
   int cells_before = 0;                 ///< of cells_done: there before this scan
   CellIndex cell;                       ///< the one being worked on
   double elapsed_s = 0, left_s = 0;

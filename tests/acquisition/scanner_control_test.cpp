@@ -43,6 +43,15 @@ TEST_F(ScannerControlTest, PausesBetweenTwoCellsAndReadsTheReferenceBeforeGoingO
   EXPECT_EQ(states.back(), ScanState::done);
 }
 
+TEST_F(ScannerControlTest, AReadingAfterAPauseCountsTheCellsOfThisScan) {
+  when(ScanState::exposing, 3, [&] { control.pause(); });
+  ASSERT_TRUE(run({{0, 1}, {1, 2}}));
+  const auto paused = std::ranges::find(sink.reports, ScanState::paused, &ScanProgress::state);
+  EXPECT_EQ(paused->cells_done, 4);
+  ASSERT_EQ(sink.references.size(), 3U);
+  EXPECT_EQ(sink.references[1].cells_done, 2);
+}
+
 TEST_F(ScannerControlTest, APauseIsNotIdleTime) {
   when(ScanState::exposing, 1, [&] { control.pause(); });
   ASSERT_TRUE(run());
