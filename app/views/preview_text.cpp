@@ -1,0 +1,34 @@
+#include "app/views/preview_text.h"
+
+#include "app/views/value_text.h"
+
+namespace lumifield {
+QString progress_text(const PreviewFrame& frame) {
+  const double ms = 1000 * (frame.sum_s + frame.show_s);
+  QString text = QString("%1 of %2 cells · picture %3 ms").arg(frame.cells).arg(frame.total).arg(ms, 0, 'f', 0);
+  if (frame.coarse) text += " · coarse";
+  return text;
+}
+
+QString missing_text(const PreviewFrame& frame) {
+  const int missing = frame.total - frame.cells;
+  if (missing <= 0) return {};
+  if (frame.cells == 0) return QString("none of %1 cells measured yet: the scene is dark").arg(frame.total);
+  return QString("%1 of %2 cells not measured yet: their light is missing").arg(missing).arg(frame.total);
+}
+
+QString pixel_text(const Picture& picture, int i, int j, Quantity quantity) {
+  const QString place = QString("pixel (%1, %2): ").arg(i).arg(j);
+  const std::size_t pixel =
+      static_cast<std::size_t>(j) * static_cast<std::size_t>(picture.width_px) + static_cast<std::size_t>(i);
+  if (picture.coverage[pixel] == 0) return place + "background";
+  const float* rgb = &picture.rgb[3 * pixel];
+  const double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+  const auto number = [](double value) { return value_text(value, 4); };
+  QString text = place + "L " + number(luminance) + " " + unit_text(unit_of(quantity));
+  if (rgb[0] != rgb[1] || rgb[1] != rgb[2])
+    text += " · R " + number(rgb[0]) + " · G " + number(rgb[1]) + " · B " + number(rgb[2]);
+  return text;
+}
+
+}  // namespace lumifield

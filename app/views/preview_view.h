@@ -1,0 +1,94 @@
+#pragma once
+
+#include <QPixmap>
+#include <QString>
+#include <QTimer>
+#include <QWidget>
+#include <memory>
+#include <optional>
+
+#include "app/session/live_preview.h"
+#include "app/views/orbit_camera.h"
+
+namespace lumifield {
+
+/// The canvas of the preview: the latest picture, as large as fits, and what there is to know about it; it never shows
+/// light that is not measured, and says what is missing. Left drag and arrow keys orbit; right, middle or shift drag
+/// and shift + arrow keys pan; wheel and + − zoom; double click or R goes back to the scene's own camera. GUI thread.
+class PreviewView : public QWidget {
+  Q_OBJECT
+
+ public:
+  /// The full picture is as large as the widget in device pixels, but no more than this.
+  static constexpr int most_pixels = 1024 * 768;
+  /// The view rests this long after the last change of camera or size.
+  static constexpr int rest_ms = 150;
+  static constexpr double orbit_deg_per_px = 0.4, orbit_deg_per_key = 5, pan_px_per_key = 20;
+
+  explicit PreviewView(QWidget* parent = nullptr);
+
+  /// Another scene, seen by its own camera. Its picture comes with the next frame.
+  void set_scene(const SceneCamera& home);
+  void set_luminaire(const LuminaireGeometry& geometry);
+  void show_frame(std::shared_ptr<const PreviewFrame> frame);
+  /// In place of the picture until the next frame.
+  void show_failure(const Error& error);
+
+  /// Null while there is none.
+  const std::shared_ptr<const PreviewFrame>& frame() const { return frame_; }
+  const OrbitCamera& orbit() const { return orbit_; }
+  /// Where the picture stands, logical pixels; empty without one.
+  QRectF picture_rect() const;
+  QSize sizeHint() const override { return {640, 480}; }
+  QSize minimumSizeHint() const override { return {160, 120}; }
+
+ public slots:
+  void reset_view();
+
+ signals:
+  /// `moving` until the camera rests.
+  void cameraChanged(const lumifield::SceneCamera& camera, bool moving);
+  /// Size of the full picture, once the widget's size rests.
+  void sizeWanted(int width_px, int height_px);
+  /// The value under the cursor; empty when there is none.
+  void pointed(const QString& text);
+  /// A frame is on the screen's way for the first time.
+  void painted(const std::shared_ptr<const lumifield::PreviewFrame>& frame);
+
+ protected:
+  void paintEvent(QPaintEvent* event) override;
+  void resizeEvent(QResizeEvent* event) override;
+  void mousePressEvent(QMouseEvent* event) override;
+  void mouseMoveEvent(QMouseEvent* event) override;
+  void mouseReleaseEvent(QMouseEvent* event) override;
+  void mouseDoubleClickEvent(QMouseEvent* event) override;
+  void leaveEvent(QEvent* event) override;
+  void wheelEvent(QWheelEvent* event) override;
+  void keyPressEvent(QKeyEvent* event) override;
+
+ private:
+  enum class Drag { none, orbit, pan };
+  void set_drag(Drag drag);
+  void camera_moved();
+  void want_size();
+  void tell_pointed();
+  void say_state();
+  double view_height() const;
+  Vec2 from_centre(const QPointF& position) const;
+  void draw_picture(QPainter& painter);
+  void draw_reason(QPainter& painter);
+
+  std::shared_ptr<const PreviewFrame> frame_, painted_frame_;
+  QPixmap scaled_;  ///< frame_ in the widget's device pixels; null when it is to be made
+  std::optional<Error> failure_;
+  bool has_scene_ = false;
+  std::optional<Quantity> quantity_;  ///< empty without a luminaire
+  OrbitCamera orbit_;
+  Drag drag_ = Drag::none;
+  QPointF cursor_;
+  bool cursor_inside_ = false;
+  QSize wanted_;
+  QTimer rest_, size_rest_;
+};
+
+}  // namespace lumifield

@@ -1,0 +1,30 @@
+#include "app/views/preview_text.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/views/preview_frames.h"
+
+namespace lumifield {
+namespace {
+
+TEST(PreviewText, SaysWhatThePictureHoldsAndWhatIsMissing) {
+  PreviewFrame frame = preview_frame(4, 4);
+  EXPECT_EQ(progress_text(frame), "37 of 63 cells · picture 42 ms");
+  EXPECT_EQ(missing_text(frame), "26 of 63 cells not measured yet: their light is missing");
+  frame.coarse = true;
+  EXPECT_EQ(progress_text(frame), "37 of 63 cells · picture 42 ms · coarse");
+  frame.cells = 0;
+  EXPECT_EQ(missing_text(frame), "none of 63 cells measured yet: the scene is dark");
+  frame.cells = 63;
+  EXPECT_EQ(missing_text(frame), "");
+}
+
+TEST(PreviewText, SaysTheValueOfAPixelWithItsUnit) {
+  const Picture picture = *preview_frame(4, 3).radiance;
+  EXPECT_EQ(pixel_text(picture, 1, 0, Quantity::radiance), "pixel (1, 0): L 0.2 W/(m² sr)");
+  EXPECT_EQ(pixel_text(picture, 2, 1, Quantity::luminance), "pixel (2, 1): L 0.4634 cd/m² · R 0.8 · G 0.4 · B 0.1");
+  EXPECT_EQ(pixel_text(picture, 0, 2, Quantity::radiance), "pixel (0, 2): background");
+}
+
+}  // namespace
+}  // namespace lumifield
