@@ -215,6 +215,10 @@ bool Renderer::waits(CellIndex cell) const {
   return impl_->geometry && impl_->waiting.contains(impl_->geometry->sampling.flat(cell));
 }
 
+int Renderer::summed() const {
+  return static_cast<int>(std::ranges::count_if(impl_->summed, [](const auto& image) { return image != nullptr; }));
+}
+
 double Renderer::cell_s() const { return impl_->receiver_s * impl_->receivers(); }
 
 Status Renderer::sum_some(double seconds) {

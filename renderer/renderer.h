@@ -49,6 +49,8 @@ class Renderer {
   /// Cells that are kept, but not in the sums as they are kept.
   int waiting() const;
   bool waits(CellIndex cell) const;
+  /// Cells in the sums.
+  int summed() const;
   /// Sums some that wait: as many as take about `seconds` by the time that the last ones took, at least one.
   Status sum_some(double seconds);
   /// What one more cell costs in this view by the time that the last ones took, seconds; 0 before the first.

@@ -37,23 +37,40 @@ struct PreviewFrame {
   std::chrono::steady_clock::time_point handed_in{};
 };
 
+/// How the render thread divides its time, seconds.
+struct PreviewPace {
+  double frame = 0.04;   ///< least time from frame to frame
+  double coarse = 0.05;  ///< a coarse picture is to take no longer; half of it while a scan runs
+  double slice = 0.05;   ///< a full picture is made in pieces of this time, and what has come meanwhile is looked at
+  double moment = 0.1;   ///< without a cell, after which a coarse picture gives way to the full one
+};
+
 /// The render thread: it owns the Renderer for life, takes cells as they come, and hands out pictures, at most 25 a
 /// second. Cells are never dropped, only summed later; views may be: the latest counts. A camera that moves gets a
-/// coarser picture at once; when it rests the full one follows, and a new move interrupts its making. While a scan runs
-/// the thread leaves the cores to it between frames. Every member function returns at once and may be called from any
-/// thread; the callbacks come on the render thread.
+/// coarser picture at once; when it rests the full one follows, and a new move interrupts its making. Cells that come
+/// faster than the full picture takes them, as from a dataset that is opened, are shown coarsely until they are in or
+/// pause. A picture never has fewer cells than one before it had, of the same luminaire.
+///
+/// The thread and those of the drivers that it starts have niceness 10 for life: they yield to window and scan, and an
+/// ordinary user could not take it back. While a scan runs it also rests after each frame as long as it worked.
+///
+/// Every member function returns at once and may be called from any thread; the callbacks come on the render thread.
+/// What they throw is reported by `failed`.
 class LivePreview {
  public:
   struct Callbacks {
     std::function<void(std::shared_ptr<const PreviewFrame>)> frame;
     std::function<void(const RendererInfo&)> ready;  ///< a renderer stands: after the start and after each set_scene
-    std::function<void(const Error&)> failed;        ///< no picture of this scene; another scene may do
+    /// No picture of this scene (another may do) or view, or a cell is refused. The same again is told once until a
+    /// frame comes.
+    std::function<void(const Error&)> failed;
   };
   /// Starts the thread; it waits for a scene.
-  explicit LivePreview(Callbacks callbacks);
+  explicit LivePreview(Callbacks callbacks, PreviewPace pace = {});
   /// Joins; takes as long as the piece of work at hand, some 0.1 s.
   ~LivePreview();
 
+  /// The view is then the scene's camera. The cells stay.
   void set_scene(Scene scene);
   /// Forgets all cells.
   void set_luminaire(LuminaireGeometry geometry);
@@ -61,7 +78,7 @@ class LivePreview {
   /// `failed`.
   void add(CellIndex cell, std::shared_ptr<const CellImage> image);
   void set_camera(const SceneCamera& camera, bool moving);
-  /// Size of the full picture.
+  /// Size of the full picture, 1024x768 until then.
   void set_size(int width_px, int height_px);
   void set_look(const PreviewLook& look);
   void set_scan_running(bool running);

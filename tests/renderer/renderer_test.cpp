@@ -219,6 +219,7 @@ TEST_F(RendererTest, ANewViewsCellsAreSummedInSlices) {
   for (int left = 5; left >= 3; --left) {
     ASSERT_TRUE(renderer->sum_some(1e-9));
     ASSERT_EQ(renderer->waiting(), left);
+    ASSERT_EQ(renderer->summed(), 6 - left);
   }
   EXPECT_FALSE(renderer->waits({0, 2}));
   EXPECT_TRUE(renderer->waits({1, 0}));

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "app/session/live_preview.h"
+
+namespace lumifield {
+
+/// What the render thread is to do, in the one form that only the latest of each kind but every cell is kept in. Value
+/// type.
+struct PreviewCommands {
+  struct Cell {
+    CellIndex cell;
+    std::shared_ptr<const CellImage> image;
+    std::chrono::steady_clock::time_point handed_in;
+  };
+  std::optional<Scene> scene;
+  std::optional<LuminaireGeometry> luminaire;  ///< comes before the cells
+  std::vector<Cell> cells;
+  std::vector<CellIndex> refused;  ///< came before a luminaire
+  std::optional<SceneCamera> camera;
+  std::optional<bool> moving;
+  std::optional<std::pair<int, int>> size_px;
+  std::optional<PreviewLook> look;
+  std::optional<bool> scan_running;
+
+  bool any() const {
+    return scene || luminaire || !cells.empty() || !refused.empty() || camera || moving || size_px || look ||
+           scan_running;
+  }
+};
+
+}  // namespace lumifield

@@ -1,0 +1,97 @@
+#include "app/session/preview_worker.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace lumifield {
+
+PreviewWorker::PreviewWorker(LivePreview::Callbacks callbacks, PreviewPace pace)
+    : callbacks_(std::move(callbacks)), pace_(pace) {}
+
+bool PreviewWorker::same(const View& a, const View& b) {
+  return a.width_px == b.width_px && a.height_px == b.height_px && a.camera.position_mm == b.camera.position_mm &&
+         a.camera.target_mm == b.camera.target_mm && a.camera.up == b.camera.up &&
+         a.camera.fov_y_deg == b.camera.fov_y_deg;
+}
+
+void PreviewWorker::take(PreviewCommands commands) {
+  // A look alone does not ask for another try.
+  if (commands.scene || commands.luminaire || !commands.cells.empty() || commands.camera || commands.size_px)
+    stuck_ = false;
+  if (commands.scene) take_scene(*commands.scene);
+  if (commands.luminaire) take_luminaire(*commands.luminaire);
+  for (PreviewCommands::Cell& cell : commands.cells) take_cell(std::move(cell));
+  for (const CellIndex cell : commands.refused)
+    report({"there is no luminaire yet", "cell " + to_string(cell), "set the luminaire first"});
+  const View before = view_;
+  if (commands.camera) view_.camera = *commands.camera;
+  if (commands.size_px) std::tie(view_.width_px, view_.height_px) = *commands.size_px;
+  if (!same(before, view_)) view_changed_ = true;
+  if (commands.moving) moving_ = *commands.moving;
+  if (commands.scan_running) scan_ = *commands.scan_running;
+  if (commands.look) {
+    look_ = *commands.look;
+    look_changed_ = true;
+  }
+}
+
+void PreviewWorker::take_scene(const Scene& scene) {
+  // The old one goes first, so that two never need memory at once.
+  renderer_.reset();
+  lit_ = false;
+  view_.camera = scene.camera;
+  view_changed_ = true;
+  last_.reset();
+  last_error_.clear();
+  // Any size does: the view is drawn when it is needed.
+  Result<std::unique_ptr<Renderer>> renderer = Renderer::create(scene, 64, 48);
+  if (!renderer) return report(renderer.error());
+  renderer_ = std::move(*renderer);
+  if (callbacks_.ready) callbacks_.ready(renderer_->info());
+  if (geometry_) light();
+}
+
+void PreviewWorker::take_luminaire(const LuminaireGeometry& geometry) {
+  geometry_ = geometry;
+  cells_.clear();
+  fresh_.clear();
+  last_.reset();
+  last_error_.clear();
+  if (renderer_) light();
+}
+
+/// Hands the renderer the luminaire and its cells.
+void PreviewWorker::light() {
+  view_changed_ = true;
+  const Status set = renderer_->set_luminaire(*geometry_);
+  lit_ = set.has_value();
+  if (!set) return report(set.error());
+  for (const auto& [cell, image] : cells_)
+    if (const Status kept = renderer_->keep_cell(cell, image); !kept) report(kept.error());
+}
+
+void PreviewWorker::take_cell(PreviewCommands::Cell cell) {
+  if (!cell.image) return report({"comes without an image", "cell " + to_string(cell.cell), "measure the cell again"});
+  if (const Status fits = check_cell(*geometry_, cell.cell, *cell.image); !fits) return report(fits.error());
+  burst_ = cell.handed_in - last_cell_at_ < seconds(pace_.moment) ? burst_ + 1 : 1;
+  last_cell_at_ = std::max(last_cell_at_, cell.handed_in);
+  fresh_.try_emplace(cell.cell, cell.handed_in);
+  cells_[cell.cell] = cell.image;
+  if (!lit_) return;
+  dirty_ = true;
+  if (const Status kept = renderer_->keep_cell(cell.cell, std::move(cell.image)); !kept) report(kept.error());
+}
+
+void PreviewWorker::report(const Error& error) {
+  if (std::exchange(last_error_, error.message()) == error.message()) return;
+  if (callbacks_.failed) callbacks_.failed(error);
+}
+
+void PreviewWorker::give_up(const Error& error) {
+  renderer_.reset();
+  lit_ = false;
+  report(error);
+}
+
+}  // namespace lumifield

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <map>
+
+#include "app/session/preview_commands.h"
+#include "app/session/preview_detail.h"
+
+namespace lumifield {
+
+/// What the render thread does, in pieces of at most some 0.1 s: `take` what has come, `step`, wait as `step` says.
+///
+/// A view is first drawn, then its cells are summed, then it is shown; a newer view starts anew at any of these. The
+/// sums have caught up when none of the view's cells waited once; from then on a picture may be shown while more wait.
+/// Thread-bound.
+class PreviewWorker {
+ public:
+  using Clock = std::chrono::steady_clock;
+  PreviewWorker(LivePreview::Callbacks callbacks, PreviewPace pace);
+
+  void take(PreviewCommands commands);
+
+  /// When to step again: not before `rest`, whatever comes; at `wake`, or when something comes.
+  struct Next {
+    Clock::time_point rest{}, wake = Clock::time_point::max();
+  };
+  Next step();
+
+  /// After an exception: the renderer's state is not known, so it goes.
+  void give_up(const Error& error);
+
+ private:
+  struct View {
+    SceneCamera camera;
+    int width_px = 1024, height_px = 768;
+    double pixels() const { return static_cast<double>(width_px) * height_px; }
+  };
+
+  // preview_worker.cpp
+  static bool same(const View& a, const View& b);
+  void take_scene(const Scene& scene);
+  void take_luminaire(const LuminaireGeometry& geometry);
+  void take_cell(PreviewCommands::Cell cell);
+  void light();
+  void report(const Error& error);
+
+  // preview_worker_step.cpp
+  Next work();
+  Next rested(Next next, Clock::time_point start);
+  PreviewDetail detail_wanted(Clock::time_point now) const;
+  PreviewDetail resting_detail(Clock::time_point now) const;
+  bool all_in() const { return static_cast<int>(cells_.size()) == geometry_->sampling.cells(); }
+  bool caught_up() const { return renderer_->waiting() == 0 || caught_up_; }
+  void draw(PreviewDetail detail);
+  void sum();
+  void show();
+  void show_again();
+  void hand_out(PreviewFrame frame, Clock::time_point start);
+  void stop_at(const Error& error);
+  Clock::time_point due() const { return last_frame_at_ + seconds(pace_.frame); }
+  static Clock::duration seconds(double s) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+  }
+
+  LivePreview::Callbacks callbacks_;
+  PreviewPace pace_;
+  PreviewCosts costs_;
+
+  // What is wanted.
+  std::optional<LuminaireGeometry> geometry_;
+  std::map<CellIndex, std::shared_ptr<const CellImage>> cells_;
+  View view_;
+  bool moving_ = false, scan_ = false;
+  PreviewLook look_;
+
+  // What there is.
+  std::unique_ptr<Renderer> renderer_;
+  bool lit_ = false;    ///< the renderer has the luminaire
+  bool stuck_ = false;  ///< after an error, until something comes
+  bool view_changed_ = true, look_changed_ = false;
+  std::optional<PreviewDetail> drawn_;  ///< of the view; empty before it is drawn
+  bool caught_up_ = false;
+  bool dirty_ = false;  ///< drawn or summed since the last frame
+  std::shared_ptr<const PreviewFrame> last_;
+  Clock::time_point last_frame_at_{}, last_cell_at_{};
+  int burst_ = 0;  ///< cells since the full picture was begun, no two of them a moment apart
+  std::map<CellIndex, Clock::time_point> fresh_;  ///< in no frame yet: when handed in
+  double sum_s_ = 0;                              ///< since the last frame
+  double coarse_took_s_ = 0;                      ///< the last coarse picture, all in all
+  double worked_s_ = 0;                           ///< since the last rest
+  bool framed_ = false;                           ///< this step handed one out
+  std::string last_error_;
+};
+
+}  // namespace lumifield

@@ -1,0 +1,189 @@
+#include <algorithm>
+#include <utility>
+
+#include "app/session/preview_worker.h"
+#include "renderer/false_colour.h"
+
+namespace lumifield {
+
+namespace {
+
+using Clock = PreviewWorker::Clock;
+
+/// A full picture that takes no longer needs no coarse one before it.
+constexpr double short_wait_s = 0.15;
+/// Cells whose summing takes longer are shown coarsely first.
+constexpr double long_backlog_s = 0.4;
+/// Cells that come in one go and send a full picture back to a coarse one.
+constexpr int many_cells = 8;
+/// While many cells come, a picture that grows is shown this often.
+constexpr double refresh_s = 0.1;
+/// The scan gets the cores back after so much work without a frame.
+constexpr double longest_work_s = 0.1, longest_rest_s = 0.25;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// A size that is none stays none, to be refused.
+int divided(int size_px, int divisor) { return std::max(std::min(size_px, 1), (size_px + divisor / 2) / divisor); }
+
+}  // namespace
+
+PreviewWorker::Next PreviewWorker::step() {
+  const Clock::time_point start = Clock::now();
+  framed_ = false;
+  return rested(work(), start);
+}
+
+/// While a scan runs: after a frame, or work without one, the thread rests as long as it worked.
+PreviewWorker::Next PreviewWorker::rested(Next next, Clock::time_point start) {
+  worked_s_ += seconds_since(start);
+  if (framed_ || worked_s_ > longest_work_s) {
+    if (scan_) next.rest = std::max(next.rest, Clock::now() + seconds(std::min(worked_s_, longest_rest_s)));
+    worked_s_ = 0;
+  }
+  return next;
+}
+
+PreviewWorker::Next PreviewWorker::work() {
+  const Clock::time_point now = Clock::now();
+  if (look_changed_ && last_) {
+    if (now < due()) return {{}, due()};
+    show_again();
+    return {{}, Clock::now()};
+  }
+  if (!renderer_ || !lit_ || stuck_) return {};
+
+  // Draw, sum or show: what comes next.
+  const PreviewDetail detail = detail_wanted(now);
+  if (view_changed_ || drawn_ != detail) {
+    // A picture that would be ready too soon is begun later, with the camera of then.
+    const Clock::time_point begin = due() - seconds(coarse_took_s_);
+    if (moving_ && now < begin) return {begin, begin};
+    draw(detail);
+    return {{}, Clock::now()};
+  }
+  const bool waits = renderer_->waiting() > 0;
+  const bool refresh = waits && dirty_ && caught_up_ && sum_s_ > 0 && now >= last_frame_at_ + seconds(refresh_s);
+  if (waits && !refresh) {
+    sum();
+    return {{}, Clock::now()};
+  }
+  if (dirty_) {
+    if (now < due()) return {due(), due()};
+    show();
+    return {{}, Clock::now()};
+  }
+  if (!moving_ && !detail.full()) return {{}, last_cell_at_ + seconds(pace_.moment)};
+  return {};
+}
+
+PreviewDetail PreviewWorker::detail_wanted(Clock::time_point now) const {
+  const int cells = static_cast<int>(cells_.size());
+  const double full_s = costs_.picture_s({}, view_.pixels(), cells);
+  if (!view_changed_ && drawn_) return moving_ && !drawn_->full() ? *drawn_ : resting_detail(now);
+  if (!moving_ && full_s <= short_wait_s) return {};
+  return costs_.finest_within(scan_ ? pace_.coarse / 2 : pace_.coarse, view_.pixels(), cells,
+                              drawn_.value_or(PreviewDetail{}));
+}
+
+/// Of a view that is drawn.
+PreviewDetail PreviewWorker::resting_detail(Clock::time_point now) const {
+  const int waiting = renderer_->waiting();
+  const PreviewDetail coarse = costs_.finest_within(scan_ ? pace_.coarse / 2 : pace_.coarse, view_.pixels(),
+                                                    static_cast<int>(cells_.size()), *drawn_);
+  if (drawn_->full()) {
+    const bool behind =
+        caught_up() ? waiting * costs_.cell_s({}, view_.pixels()) > long_backlog_s : burst_ >= many_cells;
+    return behind ? coarse : *drawn_;
+  }
+  if (waiting > 0 || dirty_) return *drawn_;
+  return all_in() || now >= last_cell_at_ + seconds(pace_.moment) ? PreviewDetail{} : *drawn_;
+}
+
+void PreviewWorker::draw(PreviewDetail detail) {
+  const Clock::time_point start = Clock::now();
+  drawn_.reset();
+  const int width = divided(view_.width_px, detail.divisor), height = divided(view_.height_px, detail.divisor);
+  if (const Status viewed = renderer_->set_view(view_.camera, width, height, detail.lod); !viewed)
+    return stop_at(viewed.error());
+  drawn_ = detail;
+  view_changed_ = false;
+  caught_up_ = renderer_->waiting() == 0;
+  dirty_ = true;
+  burst_ = 0;
+  coarse_took_s_ = detail.full() ? coarse_took_s_ : seconds_since(start);
+  costs_.drawn(detail, view_.pixels() / (detail.divisor * detail.divisor), seconds_since(start));
+}
+
+void PreviewWorker::sum() {
+  const Clock::time_point start = Clock::now();
+  const int before = renderer_->waiting();
+  // A coarse picture is made at one go: newer views come faster than it could be begun anew.
+  if (const Status summed = renderer_->sum_some(drawn_->full() ? pace_.slice : 1e9); !summed)
+    return stop_at(summed.error());
+  caught_up_ = caught_up();
+  dirty_ = true;
+  const double took_s = seconds_since(start);
+  sum_s_ += took_s;
+  if (!drawn_->full()) coarse_took_s_ += took_s;
+  costs_.summed(*drawn_, view_.pixels() / (drawn_->divisor * drawn_->divisor), before - renderer_->waiting(), took_s);
+}
+
+void PreviewWorker::show() {
+  const Clock::time_point start = Clock::now();
+  Result<Picture> picture = renderer_->picture_so_far();
+  if (!picture) return stop_at(picture.error());
+  PreviewFrame frame;
+  frame.radiance = std::make_shared<const Picture>(std::move(*picture));
+  frame.camera = view_.camera;
+  frame.cells = renderer_->summed();
+  frame.total = geometry_->sampling.cells();
+  frame.coarse = !drawn_->full();
+  frame.sum_s = std::exchange(sum_s_, 0);
+  Clock::time_point oldest = Clock::time_point::max();
+  for (auto cell = fresh_.begin(); cell != fresh_.end();) {
+    const bool in = !renderer_->waits(cell->first);
+    if (in) oldest = std::min(oldest, cell->second);
+    cell = in ? fresh_.erase(cell) : std::next(cell);
+  }
+  if (oldest != Clock::time_point::max()) frame.handed_in = oldest;
+  dirty_ = false;
+  last_error_.clear();
+  const PreviewDetail detail = *drawn_;
+  hand_out(std::move(frame), start);
+  const double pixels = view_.pixels() / (detail.divisor * detail.divisor);
+  costs_.shown(detail, pixels, last_->show_s);
+  if (!detail.full()) coarse_took_s_ += last_->show_s;
+}
+
+/// The last picture with another look.
+void PreviewWorker::show_again() {
+  PreviewFrame frame = *last_;
+  frame.sum_s = 0;
+  frame.handed_in = {};
+  hand_out(std::move(frame), Clock::now());
+}
+
+void PreviewWorker::hand_out(PreviewFrame frame, Clock::time_point start) {
+  frame.look = look_;
+  look_changed_ = false;
+  const Picture& picture = *frame.radiance;
+  frame.average = look_.tone.white > 0 ? look_.tone.white : average_luminance(picture);
+  frame.scale_top = look_.false_colour_top;
+  if (look_.false_colour && !(frame.scale_top > 0)) frame.scale_top = largest_luminance(picture);
+  frame.shown = look_.false_colour ? false_colours(picture, frame.scale_top)
+                                   : tone_map(picture, {look_.tone.exposure, frame.average});
+  frame.show_s = seconds_since(start);
+  last_ = std::make_shared<const PreviewFrame>(std::move(frame));
+  last_frame_at_ = Clock::now();
+  framed_ = true;
+  if (callbacks_.frame) callbacks_.frame(last_);
+}
+
+void PreviewWorker::stop_at(const Error& error) {
+  drawn_.reset();
+  stuck_ = true;
+  report(error);
+}
+
+}  // namespace lumifield
