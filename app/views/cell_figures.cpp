@@ -116,7 +116,8 @@ ImageFigures figures_of(const CellImage& image) {
   return figures;
 }
 
-const ImageFigures& CellFigures::image_figures(CellIndex cell, const std::shared_ptr<const CellImage>& image) const {
+const ImageFigures& CellFigures::look_at(CellIndex cell) const {
+  const std::shared_ptr<const CellImage>& image = model_.cell(cell)->image;
   Looked& looked = looked_[cell];
   if (looked.image != image) looked = {image, figures_of(*image)};
   return looked.figures;
@@ -126,8 +127,7 @@ double CellFigures::value(CellFigure figure, CellIndex cell) const {
   const LuminaireModel::Cell* known = model_.cell(cell);
   if (!known || !model_.geometry()) return not_known;
   if (figure == CellFigure::neighbours) return known->neighbour_difference;
-  if (figure == CellFigure::total)
-    return image_figures(cell, known->image).sum * model_.geometry()->measurement.pixel_mm.prod();
+  if (figure == CellFigure::total) return look_at(cell).sum * model_.geometry()->measurement.pixel_mm.prod();
   return known->entry.quality ? quality_value(figure, *known->entry.quality) : not_known;
 }
 
@@ -154,9 +154,7 @@ double CellFigures::largest(int channel) const {
   double largest = 0;
   for (int k = 0; k < model_.total(); ++k) {
     const CellIndex at = model_.geometry()->sampling.index(k);
-    if (const LuminaireModel::Cell* known = model_.cell(at))
-      largest =
-          std::max(largest, double(image_figures(at, known->image).largest.at(static_cast<std::size_t>(channel))));
+    if (model_.cell(at)) largest = std::max(largest, double(look_at(at).largest.at(static_cast<std::size_t>(channel))));
   }
   return largest;
 }

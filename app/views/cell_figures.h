@@ -42,14 +42,14 @@ class CellFigures {
   QString text(CellFigure figure, CellIndex cell) const;
   /// Ends over all measured cells: from 0, or the same to both sides where values have a sign.
   ValueScale scale(CellFigure figure) const;
+  /// Of a measured cell's image; valid until the cell changes.
+  const ImageFigures& look_at(CellIndex cell) const;
   /// Largest value of a channel over all measured cells, L-units per mm²; 0 when none is positive.
   double largest(int channel) const;
   /// Everything known about a cell, line by line.
   QString summary(CellIndex cell) const;
 
  private:
-  const ImageFigures& image_figures(CellIndex cell, const std::shared_ptr<const CellImage>& image) const;
-
   const LuminaireModel& model_;
   struct Looked {
     std::shared_ptr<const CellImage> image;
