@@ -55,7 +55,7 @@ QStringList enabled(QWidget& panel) {
   return all;
 }
 
-ScanProgress progress_of(int done) { return {ScanState::exposing, done, 63, {3, 4}, 4000, 205}; }
+ScanProgress progress_of(int done) { return {ScanState::exposing, done, 63, 0, {3, 4}, 4000, 205}; }
 
 TEST(ScanPanel, SaysHowFarAndWhatAndWhenItEnds) {
   QDateTime now(QDate(2024, 5, 7), QTime(23, 58, 0));
