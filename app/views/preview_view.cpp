@@ -3,6 +3,7 @@
 #include <QImage>
 #include <QPaintEvent>
 #include <QPainter>
+#include <QStringList>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -65,22 +66,22 @@ void PreviewView::show_frame(std::shared_ptr<const PreviewFrame> frame) {
 }
 
 void PreviewView::show_failure(const Error& error) {
-  show_frame(nullptr);
   failure_ = error;
   say_state();
+  update();
 }
 
 void PreviewView::say_state() {
-  QString text;
-  if (failure_)
-    text = QString::fromStdString(failure_->message());
-  else if (!has_scene_)
-    text = "no scene";
+  QStringList said;
+  if (failure_) said << QString::fromStdString(failure_->message());
+  if (!has_scene_)
+    said << "no scene";
   else if (!quantity_)
-    text = "no luminaire";
+    said << "no luminaire";
   else if (frame_)
-    text = QString("%1 of %2 cells").arg(frame_->cells).arg(frame_->total);
-  if (frame_ && frame_->cells < frame_->total) text += "; " + missing_text(*frame_);
+    said << QString("%1 of %2 cells").arg(frame_->cells).arg(frame_->total);
+  if (frame_ && frame_->cells < frame_->total) said << missing_text(*frame_);
+  const QString text = said.join("; ");
   if (text != accessibleDescription()) setAccessibleDescription(text);
 }
 
@@ -162,7 +163,9 @@ void PreviewView::draw_picture(QPainter& painter) {
     scaled_.setDevicePixelRatio(ratio);
   }
   painter.drawPixmap(at.topLeft(), scaled_);
-  const double strip = draw_strip(painter, rect(), missing_text(*frame_), progress_text(*frame_));
+  QString warning = missing_text(*frame_);
+  if (failure_) warning.prepend(QString::fromStdString(failure_->message()) + "\n");
+  const double strip = draw_strip(painter, rect(), warning.trimmed(), progress_text(*frame_));
   if (frame_->look.false_colour)
     draw_scale_bar(painter, QRectF(rect()).adjusted(0, 0, 0, -strip), frame_->scale_top,
                    frame_->look.false_colour_top > 0, unit_text(unit_of(*quantity_)));

@@ -31,7 +31,7 @@ class PreviewView : public QWidget {
   void set_scene(const SceneCamera& home);
   void set_luminaire(const LuminaireGeometry& geometry);
   void show_frame(std::shared_ptr<const PreviewFrame> frame);
-  /// In place of the picture until the next frame.
+  /// Said until the next frame; an older picture stays below it.
   void show_failure(const Error& error);
 
   /// Null while there is none.
@@ -39,6 +39,8 @@ class PreviewView : public QWidget {
   const OrbitCamera& orbit() const { return orbit_; }
   /// Where the picture stands, logical pixels; empty without one.
   QRectF picture_rect() const;
+  /// The last `sizeWanted`; empty before it.
+  const QSize& wanted_size() const { return wanted_; }
   QSize sizeHint() const override { return {640, 480}; }
   QSize minimumSizeHint() const override { return {160, 120}; }
 
