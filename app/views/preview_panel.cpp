@@ -1,0 +1,169 @@
+#include "app/views/preview_panel.h"
+
+#include <QAction>
+#include <QCheckBox>
+#include <QFileDialog>
+#include <QHBoxLayout>
+#include <QToolButton>
+#include <QVBoxLayout>
+
+#include "app/views/elided_label.h"
+#include "app/views/picture_saver.h"
+#include "app/views/preview_inbox.h"
+#include "app/views/preview_look_bar.h"
+#include "app/views/preview_view.h"
+#include "app/views/scene_menu.h"
+
+namespace lumifield {
+namespace {
+
+QToolButton* button_of(QAction* action, QWidget* parent) {
+  auto* button = new QToolButton(parent);
+  button->setDefaultAction(action);
+  button->setFocusPolicy(Qt::TabFocus);
+  return button;
+}
+
+}  // namespace
+
+PreviewPanel::PreviewPanel(QWidget* parent)
+    : QWidget(parent),
+      view_(new PreviewView(this)),
+      look_(new PreviewLookBar(this)),
+      scenes_(new SceneMenu(this)),
+      saver_(new PictureSaver(this)),
+      status_(new ElidedLabel(this)),
+      reset_(new QAction("&Reset View", this)),
+      save_(new QAction("&Save Picture…", this)) {
+  reset_->setToolTip("Back to the scene's own camera (double click, R)");
+  save_->setToolTip("Save the picture: PNG as it is shown, or EXR with its linear values");
+  save_->setIconText("Save…");
+  save_->setEnabled(false);
+  status_->setAccessibleName("Value under the cursor, or what the picture leaves out");
+  auto* column = new QVBoxLayout(this);
+  column->setContentsMargins(4, 4, 4, 2);
+  column->setSpacing(4);
+  column->addWidget(make_tools());
+  column->addWidget(look_);
+  column->addWidget(view_, 1);
+  column->addWidget(status_);
+
+  connect(scenes_, &SceneMenu::sceneChosen, this, &PreviewPanel::sceneChosen);
+  connect(reset_, &QAction::triggered, view_, &PreviewView::reset_view);
+  connect(save_, &QAction::triggered, this, &PreviewPanel::ask_for_file);
+  connect(saver_, &PictureSaver::noticed, this, &PreviewPanel::noticed);
+  connect(saver_, &PictureSaver::busyChanged, this, [this](bool busy) { save_->setEnabled(!busy && view_->frame()); });
+  connect(view_, &PreviewView::pointed, this, [this](const QString& value) {
+    value_ = value;
+    show_notes();
+  });
+}
+
+QWidget* PreviewPanel::make_tools() {
+  auto* tools = new QWidget(this);
+  auto* row = new QHBoxLayout(tools);
+  row->setContentsMargins(0, 0, 0, 0);
+  scene_button_ = new QToolButton(tools);
+  scene_button_->setText("Scene");
+  scene_button_->setMenu(scenes_);
+  scene_button_->setPopupMode(QToolButton::InstantPopup);
+  scene_button_->setFocusPolicy(Qt::TabFocus);
+  scene_button_->setToolTip("The scene that the luminaire lights");
+  scene_button_->setAccessibleName("Scene");
+  auto* colours = new QCheckBox("False colour", tools);
+  colours->setToolTip(look_->false_colour_action()->toolTip());
+  connect(colours, &QCheckBox::toggled, look_->false_colour_action(), &QAction::setChecked);
+  connect(look_->false_colour_action(), &QAction::toggled, colours, &QCheckBox::setChecked);
+  row->addWidget(scene_button_);
+  row->addStretch(1);
+  row->addWidget(colours);
+  row->addWidget(button_of(reset_, tools));
+  row->addWidget(button_of(save_, tools));
+  return tools;
+}
+
+void PreviewPanel::connect_to(PreviewInbox& inbox, LivePreview& live) {
+  connect(&inbox, &PreviewInbox::frame, this, &PreviewPanel::show_frame);
+  connect(&inbox, &PreviewInbox::ready, this, &PreviewPanel::show_ready);
+  connect(&inbox, &PreviewInbox::failed, this, &PreviewPanel::show_failure);
+  // The inbox's end ends what is told to the render thread too.
+  connect(view_, &PreviewView::cameraChanged, &inbox,
+          [&live](const SceneCamera& camera, bool moving) { live.set_camera(camera, moving); });
+  connect(view_, &PreviewView::sizeWanted, &inbox, [&live](int width, int height) { live.set_size(width, height); });
+  connect(look_, &PreviewLookBar::lookChanged, &inbox, [&live](const PreviewLook& look) { live.set_look(look); });
+  live.set_look(look_->look());
+  if (const QSize& size = view_->wanted_size(); !size.isEmpty()) live.set_size(size.width(), size.height());
+}
+
+void PreviewPanel::set_scenes(const std::vector<std::filesystem::path>& files) { scenes_->set_scenes(files); }
+
+void PreviewPanel::set_scene(const Scene& scene, const std::filesystem::path& file) {
+  awaits_scene_ = true;
+  scenes_->set_current(file);
+  scene_button_->setText(QString::fromStdString(scene.name.empty() ? file.stem().string() : scene.name));
+  scene_button_->setToolTip("The scene that the luminaire lights: " + QString::fromStdString(file.string()));
+  info_ = {};
+  show_notes();
+  view_->set_scene(scene.camera);
+  save_->setEnabled(false);
+}
+
+void PreviewPanel::set_luminaire(const LuminaireGeometry& geometry) {
+  look_->set_quantity(geometry.quantity);
+  view_->set_luminaire(geometry);
+  save_->setEnabled(false);
+}
+
+void PreviewPanel::show_frame(const std::shared_ptr<const PreviewFrame>& frame) {
+  if (awaits_scene_) return;
+  view_->show_frame(frame);
+  look_->set_frame(*frame);
+  save_->setEnabled(!saver_->busy());
+}
+
+void PreviewPanel::show_ready(const RendererInfo& info) {
+  awaits_scene_ = false;
+  info_ = info;
+  show_notes();
+}
+
+void PreviewPanel::show_failure(const Error& error) { view_->show_failure(error); }
+
+void PreviewPanel::show_notes() {
+  QStringList notes;
+  for (const std::string& note : info_.notes) notes << QString::fromStdString(note);
+  status_->set_text(value_.isEmpty() ? notes.join("; ") : value_);
+  if (!value_.isEmpty() || info_.opengl.empty()) return;
+  notes << "OpenGL: " + QString::fromStdString(info_.opengl) << "OpenCL: " + QString::fromStdString(info_.opencl);
+  status_->setToolTip(notes.join("\n"));
+}
+
+void PreviewPanel::ask_for_file() {
+  auto* dialog = new QFileDialog(this, "Save picture", "preview.png",
+                                 "PNG, as it is shown (*.png);;OpenEXR, linear values (*.exr)");
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setAcceptMode(QFileDialog::AcceptSave);
+  dialog->setDefaultSuffix("png");
+  connect(dialog, &QFileDialog::filterSelected, dialog,
+          [dialog](const QString& filter) { dialog->setDefaultSuffix(filter.contains("*.exr") ? "exr" : "png"); });
+  connect(dialog, &QFileDialog::fileSelected, this, [this](const QString& file) { save_picture(file.toStdString()); });
+  dialog->open();
+}
+
+void PreviewPanel::save_picture(const std::filesystem::path& file) {
+  if (view_->frame()) return saver_->save(view_->frame(), file);
+  const Error error{"there is no picture yet", file.string(), "save again when one is shown", {}};
+  emit noticed({OperatorNotice::Level::fault, QString::fromStdString(error.message())});
+}
+
+QList<QAction*> PreviewPanel::panel_actions() const {
+  return {scenes_->open_action(),
+          reset_,
+          look_->brighter_action(),
+          look_->darker_action(),
+          look_->hold_average_action(),
+          look_->false_colour_action(),
+          save_};
+}
+
+}  // namespace lumifield

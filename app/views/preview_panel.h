@@ -1,0 +1,75 @@
+#pragma once
+
+#include <QList>
+#include <QWidget>
+#include <filesystem>
+#include <memory>
+
+#include "app/session/live_preview.h"
+#include "app/views/operator_notice.h"
+
+class QAction;
+class QToolButton;
+
+namespace lumifield {
+
+class ElidedLabel;
+class PictureSaver;
+class PreviewInbox;
+class PreviewLookBar;
+class PreviewView;
+class SceneMenu;
+
+/// The preview with its tools: scene, exposure or false colours, view, saving; below, the value under the cursor or
+/// what the picture leaves out. GUI thread.
+class PreviewPanel : public QWidget {
+  Q_OBJECT
+
+ public:
+  explicit PreviewPanel(QWidget* parent = nullptr);
+
+  /// Shows what the render thread says, and tells it camera, size and look from now on. Both outlive the panel's use of
+  /// them.
+  void connect_to(PreviewInbox& inbox, LivePreview& live);
+
+  /// Scene files to choose from, besides those opened.
+  void set_scenes(const std::vector<std::filesystem::path>& files);
+  /// This one is being shown: frames count from the renderer's next `ready` on.
+  void set_scene(const Scene& scene, const std::filesystem::path& file);
+  void set_luminaire(const LuminaireGeometry& geometry);
+
+  void show_frame(const std::shared_ptr<const PreviewFrame>& frame);
+  void show_ready(const RendererInfo& info);
+  void show_failure(const Error& error);
+  /// Writes the latest picture, PNG or EXR by the name's end; `noticed` tells how it went.
+  void save_picture(const std::filesystem::path& file);
+
+  PreviewView& view() { return *view_; }
+  PreviewLookBar& look_bar() { return *look_; }
+  /// For a menu, with mnemonics and without keys: open scene, reset view, brighter, darker, hold average, false colour,
+  /// save picture.
+  QList<QAction*> panel_actions() const;
+  SceneMenu* scene_menu() const { return scenes_; }
+
+ signals:
+  void sceneChosen(const QString& file);
+  void noticed(const lumifield::OperatorNotice& notice);
+
+ private:
+  QWidget* make_tools();
+  void show_notes();
+  void ask_for_file();
+
+  PreviewView* view_;
+  PreviewLookBar* look_;
+  SceneMenu* scenes_;
+  PictureSaver* saver_;
+  ElidedLabel* status_;
+  QToolButton* scene_button_ = nullptr;
+  QAction *reset_, *save_;
+  RendererInfo info_;
+  QString value_;  ///< under the cursor
+  bool awaits_scene_ = false;
+};
+
+}  // namespace lumifield
