@@ -115,10 +115,24 @@ void add_devices(CLI::App& app, DevicesOptions& o) {
   devices->add_flag("--json", o.json, "Print the list as one JSON object");
 }
 
-int run(int argc, char** argv) {
+void add_window(CLI::App& app, WindowOptions& o) {
+  app.add_option("luminaire", o.luminaire, "Dataset folder to open in the window")->check(CLI::ExistingPath);
+  app.add_option("--bench", o.bench, "Bench file to watch and to scan with")->envname("LUMIFIELD_BENCH");
+  CLI::Option* plan = app.add_option("--plan", o.plan, "Plan of the scan");
+  CLI::Option* out = app.add_option("--out", o.out, "Dataset folder of the scan; one that is there is gone on with");
+  plan->needs(out);
+  out->needs(plan);
+  app.add_option("--scene", o.scene, "Scene that is lit");
+  app.add_flag("--start", o.start, "The scan begins by itself")->needs(plan);
+}
+
+int run(int argc, char** argv, RunWindow window) {
   CLI::App app("Lumifield scans lamps into light field luminaires and shows how they light a scene.", "lumifield");
   app.set_version_flag("--version", "lumifield " LUMIFIELD_VERSION);
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
+  app.footer("Without a sub-command the window opens: lumifield [NAME.lumi] [--bench B --plan P --out D [--start]].");
+  WindowOptions window_options;
+  add_window(app, window_options);
   ScanOptions scan;
   RenderOptions render;
   ProbeOptions probe;
@@ -144,14 +158,19 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("render")) return run_render(render);
   if (app.got_subcommand("probe")) return run_probe(probe);
   if (app.got_subcommand("check")) return run_check(check);
-  return run_devices(devices);
+  if (app.got_subcommand("devices")) return run_devices(devices);
+  if (window_options.start && window_options.bench.empty()) {
+    std::fputs("lumifield: --start needs a bench: give --bench or set LUMIFIELD_BENCH\n", stderr);
+    return exit_wrong_use;
+  }
+  return window(argc, argv, window_options);
 }
 
 }  // namespace
 
-int run_command_line(int argc, char** argv) {
+int run_command_line(int argc, char** argv, RunWindow window) {
   try {
-    return run(argc, argv);
+    return run(argc, argv, window);
   } catch (const std::bad_alloc&) {
     return report_error({"not enough memory for this", "", "use smaller images or a smaller picture"}, false);
   } catch (const std::exception& error) {

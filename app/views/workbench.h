@@ -25,6 +25,7 @@ class Workbench : public QObject {
 
   LuminaireModel& model() { return model_; }
   ScanController& scan() { return scan_; }
+  LivePreview& live_preview() { return preview_; }
   /// The dataset that is shown; empty before there is one.
   const std::filesystem::path& folder() const { return folder_; }
   /// What would be scanned; empty without a bench.

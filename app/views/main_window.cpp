@@ -1,0 +1,322 @@
+#include "app/views/main_window.h"
+
+#include <QCloseEvent>
+#include <QCoreApplication>
+#include <QDir>
+#include <QDockWidget>
+#include <QDragEnterEvent>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QLabel>
+#include <QMessageBox>
+#include <QMimeData>
+#include <QPushButton>
+#include <QSettings>
+#include <QStackedWidget>
+#include <QStatusBar>
+#include <QToolButton>
+#include <QUrl>
+
+#include "acquisition/scan/scan_rules.h"
+#include "app/views/bench_panel.h"
+#include "app/views/cell_view.h"
+#include "app/views/grid_map.h"
+#include "app/views/grid_view.h"
+#include "app/views/notices_panel.h"
+#include "app/views/preview_panel.h"
+#include "app/views/preview_thread.h"
+#include "app/views/recent_luminaires.h"
+#include "app/views/scan_controls.h"
+#include "app/views/scan_panel.h"
+#include "app/views/start_page.h"
+
+namespace lumifield {
+
+namespace {
+
+/// The dataset folder that a dropped or chosen path means: the folder itself, or the one of its manifest.
+QString dataset_of(const QString& path) {
+  const QFileInfo info(path);
+  return info.fileName() == "luminaire.json" ? info.absolutePath() : path;
+}
+
+/// Those that come with the program: beside its sources, or installed.
+std::vector<std::filesystem::path> demo_scenes() {
+  const QString program = QCoreApplication::applicationDirPath();
+  std::vector<std::filesystem::path> scenes;
+  for (const QString& resources : {program + "/../../resources", program + "/../share/lumifield"})
+    for (const char* name : {"corner", "pillars"}) {
+      const QFileInfo file(QString("%1/scenes/%2/scene.json").arg(resources, name));
+      if (file.exists()) scenes.emplace_back(QDir::cleanPath(file.absoluteFilePath()).toStdString());
+    }
+  return scenes;
+}
+
+}  // namespace
+
+MainWindow::MainWindow() {
+  setAcceptDrops(true);
+  setDockOptions(AnimatedDocks | AllowNestedDocks | AllowTabbedDocks);
+  make_panels();
+  make_menus();
+  make_status_bar();
+  join_preview();
+  join_cells();
+  join_scan();
+  lay_out();
+  restore();
+  show_state();
+}
+
+MainWindow::~MainWindow() {
+  // The scan ends before the panels that listen to it.
+  workbench_.reset();
+}
+
+void MainWindow::make_panels() {
+  preview_thread_ = new PreviewThread(this);
+  workbench_ = std::make_unique<Workbench>(preview_thread_->live());
+  recent_ = new RecentLuminaires(this);
+  middle_ = new QStackedWidget(this);
+  start_page_ = new StartPage(this);
+  preview_ = new PreviewPanel(this);
+  middle_->addWidget(start_page_);
+  middle_->addWidget(preview_);
+  setCentralWidget(middle_);
+  grid_ = new GridView(workbench_->model(), this);
+  cell_ = new CellView(workbench_->model(), this);
+  bench_ = new BenchPanel(this);
+  bench_->set_view(workbench_->scan().bench_view());
+  notices_ = new NoticesPanel(this);
+  scan_ = new ScanPanel(this);
+  grid_dock_ = make_dock(tr("Grid"), "grid", grid_, Qt::RightDockWidgetArea);
+  cell_dock_ = make_dock(tr("Cell"), "cell", cell_, Qt::RightDockWidgetArea);
+  bench_dock_ = make_dock(tr("Bench"), "bench", bench_, Qt::RightDockWidgetArea);
+  notices_dock_ = make_dock(tr("Notices"), "notices", notices_, Qt::RightDockWidgetArea);
+  scan_dock_ = make_dock(tr("Scan"), "scan", scan_, Qt::BottomDockWidgetArea);
+}
+
+QDockWidget* MainWindow::make_dock(const QString& title, const QString& name, QWidget* content,
+                                   Qt::DockWidgetArea area) {
+  auto* dock = new QDockWidget(title, this);
+  dock->setObjectName(name);
+  dock->setWidget(content);
+  dock->setAllowedAreas(Qt::AllDockWidgetAreas);
+  addDockWidget(area, dock);
+  return dock;
+}
+
+/// Grid over a tab of cell, bench and notices at the right; the scan along the whole bottom.
+void MainWindow::lay_out() {
+  setCorner(Qt::BottomRightCorner, Qt::BottomDockWidgetArea);
+  setCorner(Qt::BottomLeftCorner, Qt::BottomDockWidgetArea);
+  for (QDockWidget* dock : {grid_dock_, cell_dock_, bench_dock_, notices_dock_, scan_dock_}) {
+    dock->setFloating(false);
+    dock->show();
+  }
+  for (QDockWidget* dock : {grid_dock_, cell_dock_, bench_dock_, notices_dock_})
+    addDockWidget(Qt::RightDockWidgetArea, dock);
+  addDockWidget(Qt::BottomDockWidgetArea, scan_dock_);
+  splitDockWidget(grid_dock_, cell_dock_, Qt::Vertical);
+  tabifyDockWidget(cell_dock_, bench_dock_);
+  tabifyDockWidget(bench_dock_, notices_dock_);
+  bench_dock_->raise();
+  resizeDocks({grid_dock_, cell_dock_}, {420, 420}, Qt::Horizontal);
+  resizeDocks({grid_dock_, bench_dock_}, {300, 380}, Qt::Vertical);
+}
+
+void MainWindow::restore() {
+  resize(1280, 800);
+  const QSettings settings;
+  restoreGeometry(settings.value("window/geometry").toByteArray());
+  restoreState(settings.value("window/layout").toByteArray());
+  set_theme(theme_of(settings.value("window/theme").toString()));
+}
+
+void MainWindow::save() const {
+  QSettings settings;
+  settings.setValue("window/geometry", saveGeometry());
+  settings.setValue("window/layout", saveState());
+}
+
+void MainWindow::make_status_bar() {
+  luminaire_label_ = new QLabel(this);
+  device_label_ = new QLabel(this);
+  device_label_->setToolTip(tr("What the pictures are made with: OpenCL and OpenGL device"));
+  notices_badge_ = new QToolButton(this);
+  notices_badge_->setAutoRaise(true);
+  notices_badge_->setText(tr("No notices"));
+  notices_badge_->setToolTip(tr("Shows what the scan and the files had to say"));
+  connect(notices_badge_, &QToolButton::clicked, this, [this] {
+    notices_dock_->show();
+    notices_dock_->raise();
+  });
+  statusBar()->addWidget(luminaire_label_);
+  statusBar()->addPermanentWidget(device_label_);
+  statusBar()->addPermanentWidget(notices_badge_);
+}
+
+void MainWindow::join_preview() {
+  preview_->connect_to(*preview_thread_, preview_thread_->live());
+  preview_->set_scenes(demo_scenes());
+  connect(preview_thread_, &PreviewThread::ready, this,
+          [this](const RendererInfo& info) { device_label_->setText(QString::fromStdString(info.opencl)); });
+  connect(preview_, &PreviewPanel::sceneChosen, this, &MainWindow::show_scene);
+  connect(preview_, &PreviewPanel::noticed, notices_, &NoticesPanel::add);
+  connect(workbench_.get(), &Workbench::sceneRead, preview_,
+          [this](const Scene& scene, const QString& file) { preview_->set_scene(scene, file.toStdString()); });
+}
+
+void MainWindow::join_cells() {
+  LuminaireModel& model = workbench_->model();
+  connect(&model, &LuminaireModel::resetDone, this, [this, &model] {
+    preview_->set_luminaire(*model.geometry());
+    show_state();
+  });
+  connect(&model, &LuminaireModel::cellChanged, this, &MainWindow::show_state);
+  connect(&model, &LuminaireModel::loaded, this, [this](const QString& folder) { recent_->add(folder); });
+  connect(grid_, &GridView::cellSelected, this, [this](CellIndex cell) {
+    cell_->show_cell(cell);
+    cell_dock_->show();
+    cell_dock_->raise();
+  });
+  connect(&grid_->map(), &GridMap::selectionChanged, this,
+          [this] { retake_->setEnabled(!grid_->map().retakable().empty()); });
+  connect(grid_, &GridView::retakeRequested, workbench_.get(), &Workbench::retake);
+}
+
+void MainWindow::join_scan() {
+  ScanController& scan = workbench_->scan();
+  connect(scan_, &ScanPanel::startRequested, workbench_.get(), &Workbench::start);
+  connect(scan_, &ScanPanel::pauseRequested, &scan, &ScanController::pause);
+  connect(scan_, &ScanPanel::resumeRequested, &scan, &ScanController::resume);
+  connect(scan_, &ScanPanel::stopRequested, &scan, &ScanController::stop);
+  connect(&scan, &ScanController::activityChanged, scan_, &ScanPanel::set_activity);
+  connect(&scan, &ScanController::activityChanged, this, &MainWindow::show_state);
+  connect(&scan, &ScanController::progressed, scan_, &ScanPanel::set_progress);
+  connect(&scan, &ScanController::referenceRead, this, [this](const ReferenceReading& reading) {
+    scan_->set_drift(reading.drift, workbench_->request()->plan.reference.limit);
+  });
+  connect(&scan, &ScanController::started, this, [this](const LuminaireGeometry& geometry, const QString& dataset) {
+    scan_->clear_drift();
+    // Values and variances, in FLOAT, before compression.
+    const double bytes = 8.0 * static_cast<double>(geometry.measurement.pixels() * geometry.channels.size());
+    scan_->set_dataset(dataset.toStdString(), bytes, geometry.sampling.cells());
+    recent_->add(dataset);
+  });
+  connect(&scan, &ScanController::ended, this, [this](bool, const QString& message) {
+    scan_->set_outcome(message);
+    show_state();
+    if (close_when_idle_) close();
+  });
+  connect(workbench_.get(), &Workbench::noticed, notices_, &NoticesPanel::add);
+  connect(notices_, &NoticesPanel::countsChanged, this, [this](int information, int warnings, int faults) {
+    notices_badge_->setText(faults     ? tr("%n fault(s)", "", faults)
+                            : warnings ? tr("%n warning(s)", "", warnings)
+                                       : tr("%n notice(s)", "", information));
+  });
+  connect(workbench_.get(), &Workbench::noticed, this, [this](const OperatorNotice& notice) {
+    if (notice.level == OperatorNotice::Level::fault) notices_dock_->raise();
+  });
+  connect(workbench_.get(), &Workbench::changed, this, &MainWindow::show_state);
+  connect(workbench_.get(), &Workbench::prepared, this, [this] {
+    show_bench();
+    if (std::exchange(start_when_prepared_, false)) workbench_->start();
+  });
+}
+
+/// Limits, targets and saturation of the bench to scan with.
+void MainWindow::show_bench() {
+  const ScanRequest& request = *workbench_->request();
+  bench_->set_saturation(request.bench.sensor.saturation_dn);
+  bench_->set_limits(request.bench.limits);
+  const Sampling grid = sampling_of(request.bench, request.plan);
+  std::vector<Vec2> targets;
+  for (int k = 0; k < grid.cells(); ++k)
+    targets.push_back(stage_target_mm(request.bench, grid.cell_center_mm(grid.index(k))));
+  bench_->set_cell_targets(std::move(targets));
+}
+
+/// What the whole window says: title, what may start, the middle.
+void MainWindow::show_state() {
+  const LuminaireModel& model = workbench_->model();
+  const QString why_not = workbench_->why_not_start();
+  scan_->set_startable(why_not.isEmpty(), why_not);
+  const bool there = model.geometry() || workbench_->request();
+  middle_->setCurrentWidget(there ? static_cast<QWidget*>(preview_) : start_page_);
+  if (!model.geometry()) {
+    setWindowTitle(tr("Lumifield"));
+    luminaire_label_->setText(
+        there ? tr("Ready to scan into %1").arg(QString::fromStdString(workbench_->request()->out.string()))
+              : QString());
+    return;
+  }
+  const QString count = tr("%1 of %2 cells").arg(model.measured()).arg(model.total());
+  setWindowTitle(tr("%1 (%2) — Lumifield").arg(model.name(), count));
+  luminaire_label_->setText(tr("%1 · %2").arg(QString::fromStdString(workbench_->folder().string()), count));
+}
+
+void MainWindow::open(const QString& path) { workbench_->open(dataset_of(path).toStdString()); }
+
+void MainWindow::new_scan(const QString& bench, const QString& plan, const QString& out, bool start) {
+  start_when_prepared_ = start;
+  workbench_->prepare(bench.toStdString(), plan.toStdString(), out.toStdString());
+}
+
+void MainWindow::show_scene(const QString& file) { workbench_->show_scene(file.toStdString()); }
+
+void MainWindow::set_theme(Theme theme) {
+  apply(theme);
+  QSettings().setValue("window/theme", word_of(theme));
+}
+
+bool MainWindow::may_close() {
+  if (!workbench_->scan().busy()) return true;
+  if (close_when_idle_) return false;
+  QMessageBox question(QMessageBox::Question, tr("A scan runs"),
+                       tr("Stop the scan and close?\n\nWhat is stored stays, and the scan can go on later: open the "
+                          "dataset's folder with its bench and plan again."),
+                       QMessageBox::NoButton, this);
+  QAbstractButton* stop = question.addButton(tr("&Stop and close"), QMessageBox::AcceptRole);
+  auto* keep = question.addButton(tr("&Keep scanning"), QMessageBox::RejectRole);
+  question.setDefaultButton(keep);
+  question.exec();
+  if (question.clickedButton() != stop) return false;
+  if (!workbench_->scan().busy()) return true;
+  close_when_idle_ = true;
+  workbench_->scan().stop();
+  return false;
+}
+
+void MainWindow::close_without_asking() {
+  close_when_idle_ = true;
+  workbench_->scan().stop();
+  if (!workbench_->scan().busy()) close();
+}
+
+void MainWindow::closeEvent(QCloseEvent* event) {
+  if (!may_close()) {
+    event->ignore();
+    return;
+  }
+  save();
+  event->accept();
+}
+
+void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
+  if (event->mimeData()->hasUrls()) event->acceptProposedAction();
+}
+
+/// Folders and manifests are datasets; other .json files are scenes.
+void MainWindow::dropEvent(QDropEvent* event) {
+  for (const QUrl& url : event->mimeData()->urls()) {
+    const QString path = url.toLocalFile();
+    if (QFileInfo(path).isDir() || QFileInfo(path).fileName() == "luminaire.json")
+      open(path);
+    else
+      show_scene(path);
+  }
+  event->acceptProposedAction();
+}
+
+}  // namespace lumifield

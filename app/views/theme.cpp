@@ -1,0 +1,63 @@
+#include "app/views/theme.h"
+
+#include <QApplication>
+#include <QPalette>
+#include <QStyle>
+
+namespace lumifield {
+
+namespace {
+
+struct Tones {
+  QColor window, base, alternate, text, dim, button, highlight, highlighted, link;
+};
+
+QPalette palette_of(const Tones& t) {
+  QPalette p;
+  for (const auto group : {QPalette::Active, QPalette::Inactive, QPalette::Disabled}) {
+    const QColor text = group == QPalette::Disabled ? t.dim : t.text;
+    p.setColor(group, QPalette::Window, t.window);
+    p.setColor(group, QPalette::WindowText, text);
+    p.setColor(group, QPalette::Base, t.base);
+    p.setColor(group, QPalette::AlternateBase, t.alternate);
+    p.setColor(group, QPalette::Text, text);
+    p.setColor(group, QPalette::PlaceholderText, t.dim);
+    p.setColor(group, QPalette::Button, t.button);
+    p.setColor(group, QPalette::ButtonText, text);
+    p.setColor(group, QPalette::BrightText, t.highlighted);
+    p.setColor(group, QPalette::ToolTipBase, t.alternate);
+    p.setColor(group, QPalette::ToolTipText, t.text);
+    p.setColor(group, QPalette::Highlight, group == QPalette::Disabled ? t.dim : t.highlight);
+    p.setColor(group, QPalette::HighlightedText, t.highlighted);
+    p.setColor(group, QPalette::Link, t.link);
+    p.setColor(group, QPalette::Light, t.button.lighter(130));
+    p.setColor(group, QPalette::Midlight, t.button.lighter(110));
+    p.setColor(group, QPalette::Mid, t.button.darker(125));
+    p.setColor(group, QPalette::Dark, t.button.darker(150));
+    p.setColor(group, QPalette::Shadow, Qt::black);
+  }
+  return p;
+}
+
+}  // namespace
+
+Theme theme_of(const QString& word) {
+  return word == "light" ? Theme::light : word == "dark" ? Theme::dark : Theme::system;
+}
+
+QString word_of(Theme theme) {
+  return theme == Theme::light ? "light" : theme == Theme::dark ? "dark" : "system";
+}
+
+void apply(Theme theme) {
+  if (theme == Theme::light)
+    QApplication::setPalette(palette_of({"#f2f2f0", "#ffffff", "#f7f7f5", "#1b1b1b", "#8a8a88", "#e6e6e3", "#2f6db5",
+                                         "#ffffff", "#1f5fae"}));
+  else if (theme == Theme::dark)
+    QApplication::setPalette(palette_of({"#2a2b2d", "#1e1f21", "#27282a", "#e6e6e4", "#85868a", "#3a3b3e", "#4d8ad0",
+                                         "#ffffff", "#7fb2ec"}));
+  else
+    QApplication::setPalette(QPalette());
+}
+
+}  // namespace lumifield

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <QString>
+
+namespace lumifield {
+
+/// The window's colours: the desktop's own, or ours. All of them are readable on Qt's Fusion style.
+enum class Theme { system, light, dark };
+
+/// Of the settings file; unknown words are `system`.
+Theme theme_of(const QString& word);
+QString word_of(Theme theme);
+
+/// Changes the running application's palette.
+void apply(Theme theme);
+
+}  // namespace lumifield
