@@ -46,10 +46,15 @@ CLI::Validator picture_file() {
 }
 CLI::Validator method_name() { return CLI::IsMember({"closed-form"}); }
 
-/// CLI11 says that a sub-command is missing when it does not know the one given.
-const char* unknown_subcommand(const CLI::App& app, const std::vector<std::string>& rest) {
-  return app.get_subcommands().empty() && !rest.empty() && !rest.front().starts_with("-") ? rest.front().c_str()
-                                                                                          : nullptr;
+CLI::Validator dataset_folder() {
+  const auto fault = [](const std::string& text) {
+    std::error_code unknown;
+    return std::filesystem::exists(text, unknown) ? std::string()
+                                                  : "'" + text +
+                                                        "' is neither a sub-command nor a dataset folder; "
+                                                        "`lumifield --help` lists the sub-commands";
+  };
+  return {fault, "NAME.lumi"};
 }
 
 void add_scan(CLI::App& app, ScanOptions& o) {
@@ -116,7 +121,7 @@ void add_devices(CLI::App& app, DevicesOptions& o) {
 }
 
 void add_window(CLI::App& app, WindowOptions& o) {
-  app.add_option("luminaire", o.luminaire, "Dataset folder to open in the window")->check(CLI::ExistingPath);
+  app.add_option("luminaire", o.luminaire, "Dataset folder to open in the window")->check(dataset_folder());
   app.add_option("--bench", o.bench, "Bench file to watch and to scan with")->envname("LUMIFIELD_BENCH");
   CLI::Option* plan = app.add_option("--plan", o.plan, "Plan of the scan");
   CLI::Option* out = app.add_option("--out", o.out, "Dataset folder of the scan; one that is there is gone on with");
@@ -146,11 +151,6 @@ int run(int argc, char** argv, RunWindow window) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const std::vector<std::string> rest = app.remaining();
-    if (const char* name = unknown_subcommand(app, rest); name && error.get_exit_code() != 0) {
-      std::fprintf(stderr, "lumifield: '%s' is not a sub-command; `lumifield --help` lists them\n", name);
-      return exit_wrong_use;
-    }
     const int code = app.exit(error);
     return code == 0 ? exit_done : exit_wrong_use;
   }

@@ -69,7 +69,7 @@ int run_window(int argc, char** argv, const WindowOptions& options) {
   const CloseOnSignal closer(window);
   if (!options.scene.empty()) window.show_scene(text(options.scene));
   if (!options.luminaire.empty()) window.open(text(options.luminaire));
-  if (!options.bench.empty())
+  if (!options.bench.empty() && !options.plan.empty())
     window.new_scan(text(options.bench), text(options.plan), text(options.out), options.start);
   return QApplication::exec();
 }

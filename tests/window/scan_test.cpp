@@ -34,6 +34,7 @@ class WindowTest : public testing::Test {
     window = std::make_unique<MainWindow>();
     window->show();
     ASSERT_TRUE(QTest::qWaitForWindowExposed(window.get()));
+    QApplication::setActiveWindow(window.get());  // there is no window manager to do it
     window->show_scene(LUMIFIELD_SOURCE_DIR "/resources/scenes/corner/scene.json");
   }
   void scan_into(const QString& name) {
