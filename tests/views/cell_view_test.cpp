@@ -2,6 +2,7 @@
 
 #include <QCheckBox>
 #include <QComboBox>
+#include <QCursor>
 #include <QLabel>
 #include <QTest>
 #include <gtest/gtest.h>
@@ -25,14 +26,17 @@ struct CellViewTest : testing::Test {
   }
   /// Pixel (i, j) of S as shown.
   QRgb shown(int i, int j) { return image().image().pixel(i, geometry.measurement.height_px - 1 - j); }
-  /// Points at the middle of pixel (i, j) of S.
+  /// Puts the pointer on the middle of pixel (i, j) of S and waits until the display's event has come.
   void point_at(int i, int j) {
-    const QRectF whole = image().image_rect();
-    const int from_top = geometry.measurement.height_px - 1 - j;
-    QTest::mouseMove(&image(), QPoint(0, 0));
-    QTest::mouseMove(
-        &image(),
-        (whole.topLeft() + QPointF(whole.width() / 8 * (i + 0.5), whole.height() / 6 * (from_top + 0.5))).toPoint());
+    const QPoint pixel(i, geometry.measurement.height_px - 1 - j);
+    EXPECT_TRUE(QTest::qWaitFor([&] {
+      const QRectF whole = image().image_rect();  // it is laid out meanwhile
+      const QPointF at =
+          whole.topLeft() + QPointF(whole.width() / 8 * (pixel.x() + 0.5), whole.height() / 6 * (pixel.y() + 0.5));
+      QCursor::setPos(image().mapToGlobal(at.toPoint() + QPoint(1, 0)));
+      QCursor::setPos(image().mapToGlobal(at.toPoint()));
+      return image().hovered_pixel() == pixel;
+    }));
   }
   /// Everything that its labels say at this moment.
   QString said() {
@@ -102,7 +106,6 @@ TEST_F(CellViewTest, ReadsTheValueUnderTheCursorWithItsPlaceOnS) {
   ramp->value[8 * 4 + 2] = -0.5F;
   model.put(entry_of({0, 0}), ramp);
   view.show_cell({0, 0});
-  QApplication::processEvents();  // laid out
   point_at(7, 0);
   EXPECT_TRUE(said().contains("Y 0.7 cd/m² per mm²\nat (11.75, −1.25) mm on S, pixel (7, 0)")) << said().toStdString();
   point_at(2, 4);
@@ -158,7 +161,6 @@ TEST_F(CellViewTest, ThreeChannelsAreChosenFrom) {
   EXPECT_EQ(bar().scale(), (ValueScale{0, 30}));
   EXPECT_EQ(shown(0, 0), colour_of({0, 30}, 30));
   EXPECT_EQ(histogram().histogram().counts.back(), 1U);
-  QApplication::processEvents();
   point_at(5, 5);
   EXPECT_TRUE(said().contains("R 1  G 2  B 3 cd/m²"));
 }

@@ -1,5 +1,6 @@
 #include "app/views/image_view.h"
 
+#include <QCursor>
 #include <QSignalSpy>
 #include <QTest>
 #include <QWheelEvent>
@@ -101,11 +102,16 @@ TEST_F(ImageViewTest, KeysZoomMoveAndFit) {
 }
 
 TEST_F(ImageViewTest, TellsThePixelUnderTheCursorAndThatItLeft) {
+  QCursor::setPos(view.mapToGlobal(QPoint(410, 210)));  // beside it
+  EXPECT_TRUE(
+      QTest::qWaitFor([&] { return QCursor::pos() == view.mapToGlobal(QPoint(410, 210)) && !view.hovered_pixel(); }));
   std::vector<std::optional<QPoint>> seen;
   QObject::connect(&view, &ImageView::hovered, [&](const std::optional<QPoint>& pixel) { seen.push_back(pixel); });
-  QTest::mouseMove(&view, {101, 1});
-  QTest::mouseMove(&view, {299, 199});
-  QTest::mouseMove(&view, {300, 199});
+  for (const QPoint to : {QPoint(101, 1), QPoint(299, 199), QPoint(300, 199)}) {
+    const std::size_t before = seen.size();
+    QCursor::setPos(view.mapToGlobal(to));
+    EXPECT_TRUE(QTest::qWaitFor([&] { return seen.size() > before; }));
+  }
   const std::vector<std::optional<QPoint>> expected{QPoint(0, 0), QPoint(99, 99), std::nullopt};
   EXPECT_EQ(seen, expected);
 }
