@@ -29,8 +29,8 @@ QHBoxLayout* row_of(QWidget* page) {
 
 PreviewLookBar::PreviewLookBar(QWidget* parent) : QWidget(parent), pages_(new QStackedWidget(this)) {
   false_colour_ =
-      make_action("&False Colour", "Luminance as colours, with a scale, instead of the tone-mapped picture", true);
-  hold_ = make_action("&Hold Average", {}, true);
+      make_action("&False colour", "Luminance as colours, with a scale, instead of the tone-mapped picture", true);
+  hold_ = make_action("&Hold average", {}, true);
   brighter_ = make_action("&Brighter", "Half a stop brighter", false);
   darker_ = make_action("&Darker", "Half a stop darker", false);
   pages_->addWidget(make_exposure());

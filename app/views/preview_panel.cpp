@@ -33,8 +33,8 @@ PreviewPanel::PreviewPanel(QWidget* parent)
       scenes_(new SceneMenu(this)),
       saver_(new PictureSaver(this)),
       status_(new ElidedLabel(this)),
-      reset_(new QAction("&Reset View", this)),
-      save_(new QAction("&Save Picture…", this)) {
+      reset_(new QAction("&Reset view", this)),
+      save_(new QAction("&Save picture…", this)) {
   reset_->setToolTip("Back to the scene's own camera (double click, R)");
   save_->setToolTip("Save the picture: PNG as it is shown, or EXR with its linear values");
   save_->setIconText("Save…");
@@ -43,10 +43,12 @@ PreviewPanel::PreviewPanel(QWidget* parent)
   auto* column = new QVBoxLayout(this);
   column->setContentsMargins(4, 4, 4, 2);
   column->setSpacing(4);
-  column->addWidget(make_tools());
+  make_tools();
+  column->addWidget(tools_);
   column->addWidget(look_);
   column->addWidget(view_, 1);
   column->addWidget(status_);
+  set_tab_order();
 
   connect(scenes_, &SceneMenu::sceneChosen, this, &PreviewPanel::sceneChosen);
   connect(reset_, &QAction::triggered, view_, &PreviewView::reset_view);
@@ -59,27 +61,38 @@ PreviewPanel::PreviewPanel(QWidget* parent)
   });
 }
 
-QWidget* PreviewPanel::make_tools() {
-  auto* tools = new QWidget(this);
-  auto* row = new QHBoxLayout(tools);
+void PreviewPanel::make_tools() {
+  tools_ = new QWidget(this);
+  auto* row = new QHBoxLayout(tools_);
   row->setContentsMargins(0, 0, 0, 0);
-  scene_button_ = new QToolButton(tools);
+  scene_button_ = new QToolButton(tools_);
   scene_button_->setText("Scene");
   scene_button_->setMenu(scenes_);
   scene_button_->setPopupMode(QToolButton::InstantPopup);
   scene_button_->setFocusPolicy(Qt::TabFocus);
   scene_button_->setToolTip("The scene that the luminaire lights");
   scene_button_->setAccessibleName("Scene");
-  auto* colours = new QCheckBox("False colour", tools);
+  auto* colours = new QCheckBox("False colour", tools_);
   colours->setToolTip(look_->false_colour_action()->toolTip());
   connect(colours, &QCheckBox::toggled, look_->false_colour_action(), &QAction::setChecked);
   connect(look_->false_colour_action(), &QAction::toggled, colours, &QCheckBox::setChecked);
   row->addWidget(scene_button_);
   row->addStretch(1);
   row->addWidget(colours);
-  row->addWidget(button_of(reset_, tools));
-  row->addWidget(button_of(save_, tools));
-  return tools;
+  row->addWidget(button_of(reset_, tools_));
+  row->addWidget(button_of(save_, tools_));
+}
+
+/// As the eye goes: the tools from the left, then how the picture looks, then the picture.
+void PreviewPanel::set_tab_order() {
+  QWidget* last = scene_button_;
+  for (QWidget* row : {tools_, static_cast<QWidget*>(look_)})
+    for (QWidget* control : row->findChildren<QWidget*>()) {
+      if (control->focusPolicy() == Qt::NoFocus || control == last || control->focusProxy()) continue;
+      setTabOrder(last, control);
+      last = control;
+    }
+  setTabOrder(last, view_);
 }
 
 void PreviewPanel::connect_to(PreviewInbox& inbox, LivePreview& live) {
@@ -100,7 +113,7 @@ void PreviewPanel::set_scenes(const std::vector<std::filesystem::path>& files) {
 void PreviewPanel::set_scene(const Scene& scene, const std::filesystem::path& file) {
   awaits_scene_ = true;
   scenes_->set_current(file);
-  scene_button_->setText(QString::fromStdString(scene.name.empty() ? file.stem().string() : scene.name));
+  scene_button_->setText("Scene: " + QString::fromStdString(scene.name.empty() ? file.stem().string() : scene.name));
   scene_button_->setToolTip("The scene that the luminaire lights: " + QString::fromStdString(file.string()));
   info_ = {};
   show_notes();

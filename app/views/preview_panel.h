@@ -56,7 +56,8 @@ class PreviewPanel : public QWidget {
   void noticed(const lumifield::OperatorNotice& notice);
 
  private:
-  QWidget* make_tools();
+  void make_tools();
+  void set_tab_order();
   void show_notes();
   void ask_for_file();
 
@@ -65,6 +66,7 @@ class PreviewPanel : public QWidget {
   SceneMenu* scenes_;
   PictureSaver* saver_;
   ElidedLabel* status_;
+  QWidget* tools_ = nullptr;
   QToolButton* scene_button_ = nullptr;
   QAction *reset_, *save_;
   RendererInfo info_;

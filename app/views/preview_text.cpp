@@ -18,16 +18,14 @@ QString missing_text(const PreviewFrame& frame) {
 }
 
 QString pixel_text(const Picture& picture, int i, int j, Quantity quantity) {
-  const QString place = QString("pixel (%1, %2): ").arg(i).arg(j);
   const std::size_t pixel =
       static_cast<std::size_t>(j) * static_cast<std::size_t>(picture.width_px) + static_cast<std::size_t>(i);
-  if (picture.coverage[pixel] == 0) return place + "background";
+  if (picture.coverage[pixel] == 0) return "background";
   const float* rgb = &picture.rgb[3 * pixel];
   const double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-  const auto number = [](double value) { return value_text(value, 4); };
-  QString text = place + "L " + number(luminance) + " " + unit_text(unit_of(quantity));
+  QString text = "L " + value_text(luminance) + " " + unit_text(unit_of(quantity));
   if (rgb[0] != rgb[1] || rgb[1] != rgb[2])
-    text += " · R " + number(rgb[0]) + " · G " + number(rgb[1]) + " · B " + number(rgb[2]);
+    text += " · R " + value_text(rgb[0]) + " G " + value_text(rgb[1]) + " B " + value_text(rgb[2]);
   return text;
 }
 

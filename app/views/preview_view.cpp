@@ -108,11 +108,17 @@ void PreviewView::want_size() {
 void PreviewView::tell_pointed() {
   const QRectF rect = picture_rect();
   if (!cursor_inside_ || !rect.contains(cursor_) || !frame_->radiance) return emit pointed({});
+  // A coarse picture's values, at the places of the full one.
   const Picture& picture = *frame_->radiance;
+  const QSize own(picture.width_px, picture.height_px), full = frame_->coarse && !wanted_.isEmpty() ? wanted_ : own;
   const QPointF share((cursor_.x() - rect.left()) / rect.width(), (cursor_.y() - rect.top()) / rect.height());
-  const int i = std::min(static_cast<int>(share.x() * picture.width_px), picture.width_px - 1);
-  const int j = std::min(static_cast<int>(share.y() * picture.height_px), picture.height_px - 1);
-  emit pointed(pixel_text(picture, i, j, *quantity_));
+  const auto pixel = [&share](const QSize& size) {
+    return QPoint(std::min(static_cast<int>(share.x() * size.width()), size.width() - 1),
+                  std::min(static_cast<int>(share.y() * size.height()), size.height() - 1));
+  };
+  const QPoint at = pixel(own), place = pixel(full);
+  emit pointed(QString("pixel %1, %2: ").arg(place.x()).arg(place.y()) +
+               pixel_text(picture, at.x(), at.y(), *quantity_));
 }
 
 QRectF PreviewView::picture_rect() const {

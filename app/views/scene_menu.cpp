@@ -21,7 +21,7 @@ QString name_of(const QString& file) {
 SceneMenu::SceneMenu(QWidget* parent) : QMenu("&Scene", parent), scenes_(new QActionGroup(this)) {
   setToolTipsVisible(true);
   before_ = addSeparator();
-  open_ = addAction("&Open Scene…");
+  open_ = addAction("&Open scene…");
   open_->setToolTip("Open a scene file (JSON, format lumifield-scene)");
   connect(open_, &QAction::triggered, this, &SceneMenu::ask);
 }

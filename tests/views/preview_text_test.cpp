@@ -21,9 +21,9 @@ TEST(PreviewText, SaysWhatThePictureHoldsAndWhatIsMissing) {
 
 TEST(PreviewText, SaysTheValueOfAPixelWithItsUnit) {
   const Picture picture = *preview_frame(4, 3).radiance;
-  EXPECT_EQ(pixel_text(picture, 1, 0, Quantity::radiance), "pixel (1, 0): L 0.2 W/(m² sr)");
-  EXPECT_EQ(pixel_text(picture, 2, 1, Quantity::luminance), "pixel (2, 1): L 0.4634 cd/m² · R 0.8 · G 0.4 · B 0.1");
-  EXPECT_EQ(pixel_text(picture, 0, 2, Quantity::radiance), "pixel (0, 2): background");
+  EXPECT_EQ(pixel_text(picture, 1, 0, Quantity::radiance), "L 0.2 W/(m² sr)");
+  EXPECT_EQ(pixel_text(picture, 2, 1, Quantity::luminance), "L 0.463 cd/m² · R 0.8 G 0.4 B 0.1");
+  EXPECT_EQ(pixel_text(picture, 0, 2, Quantity::radiance), "background");
 }
 
 }  // namespace
