@@ -122,7 +122,7 @@ void MainWindow::lay_out() {
   tabifyDockWidget(bench_dock_, notices_dock_);
   bench_dock_->raise();
   resizeDocks({grid_dock_, cell_dock_}, {420, 420}, Qt::Horizontal);
-  resizeDocks({grid_dock_, bench_dock_}, {300, 380}, Qt::Vertical);
+  resizeDocks({grid_dock_, bench_dock_}, {220, 480}, Qt::Vertical);
 }
 
 void MainWindow::restore() {
@@ -159,8 +159,11 @@ void MainWindow::make_status_bar() {
 void MainWindow::join_preview() {
   preview_->connect_to(*preview_thread_, preview_thread_->live());
   preview_->set_scenes(demo_scenes());
-  connect(preview_thread_, &PreviewThread::ready, this,
-          [this](const RendererInfo& info) { device_label_->setText(QString::fromStdString(info.opencl)); });
+  connect(preview_thread_, &PreviewThread::ready, this, [this](const RendererInfo& info) {
+    const QString device = QString::fromStdString(info.opencl);
+    device_label_->setText(device.section(',', 0, 0));
+    device_label_->setToolTip(tr("Pictures are made with %1 and %2").arg(device, QString::fromStdString(info.opengl)));
+  });
   connect(preview_, &PreviewPanel::sceneChosen, this, &MainWindow::show_scene);
   connect(preview_, &PreviewPanel::noticed, notices_, &NoticesPanel::add);
   connect(workbench_.get(), &Workbench::sceneRead, preview_,
@@ -204,8 +207,10 @@ void MainWindow::join_scan() {
     scan_->set_dataset(dataset.toStdString(), bytes, geometry.sampling.cells());
     recent_->add(dataset);
   });
-  connect(&scan, &ScanController::ended, this, [this](bool, const QString& message) {
-    scan_->set_outcome(message);
+  connect(&scan, &ScanController::ended, this, [this](bool complete) {
+    const LuminaireModel& model = workbench_->model();
+    scan_->set_outcome(complete ? tr("Every cell is measured.")
+                                : tr("Ended at %1 of %2 cells: see Notices").arg(model.measured()).arg(model.total()));
     show_state();
     if (close_when_idle_) close();
   });

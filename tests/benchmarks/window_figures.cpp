@@ -2,6 +2,7 @@
 //
 //   lumifield-bench … -- window_figures scan PLAN OUT.lumi SHOTS    a whole scan: latencies, screenshots at 5, 50, 100
 //   % window_figures open OUT.lumi SHOTS                               start and opening to the first picture; orbiting
+//   window_figures shots OUT.lumi FOLDER                             every panel (LUMIFIELD_THEME light or dark)
 //   lumifield-bench … -- window_figures soak PLAN FOLDER MINUTES     a scan again and again: memory and waiting events
 
 #include <QApplication>
@@ -20,7 +21,10 @@
 #include <thread>
 #include <unistd.h>
 
+#include "app/views/cell_figures.h"
+#include "app/views/grid_map.h"
 #include "app/views/main_window.h"
+#include "app/views/new_scan_dialog.h"
 #include "app/views/notices_model.h"
 #include "app/views/notices_panel.h"
 #include "app/views/preview_panel.h"
@@ -168,7 +172,7 @@ int open(const QString& dataset, const QString& shots) {
     const CellIndex cell = model.geometry()->sampling.index(k % model.total());
     const int before = shown.pictures;
     live.add(cell, model.cell(cell)->image);
-    QTest::qWaitFor([&] { return shown.pictures > before; }, 5000);
+    if (!QTest::qWaitFor([&] { return shown.pictures > before; }, 5000)) return 1;
     QTest::qWait(60);
   }
   shown.latency.print("cell taken again (two kernel runs), handed in to painted, idle", "ms");
@@ -179,7 +183,7 @@ int open(const QString& dataset, const QString& shots) {
     const CellIndex cell = model.geometry()->sampling.index(k);
     const int before = shown.pictures;
     live.add(cell, model.cell(cell)->image);
-    QTest::qWaitFor([&] { return shown.pictures > before; }, 5000);
+    if (!QTest::qWaitFor([&] { return shown.pictures > before; }, 5000)) return 1;
     QTest::qWait(60);
   }
   shown.latency.print("cell handed in to picture painted, idle", "ms");
@@ -208,6 +212,51 @@ int open(const QString& dataset, const QString& shots) {
   start = Clock::now();
   if (!QTest::qWaitFor(full, 60'000)) return 1;
   std::printf("full picture %.0f ms after the mouse was let go\n", ms_since(start));
+  return 0;
+}
+
+/// Every panel and page.
+int shots(const QString& dataset, const QString& folder) {
+  MainWindow window;
+  window.show();
+  shoot(window, folder, "start");
+  Shown shown(window);
+  window.show_scene(scene);
+  window.open(dataset);
+  LuminaireModel& model = window.workbench().model();
+  const auto full = [&] { return shown.last && shown.last->cells == model.total() && !shown.last->coarse; };
+  if (!QTest::qWaitFor(full, 120'000)) return 1;
+  const auto raise = [&](const char* name) {
+    auto* dock = window.findChild<QDockWidget*>(name);
+    dock->show();
+    dock->raise();
+    QTest::qWait(300);
+  };
+  auto* map = window.findChild<GridMap*>();
+  map->choose({model.geometry()->sampling.rows / 2, model.geometry()->sampling.columns / 2});
+  QTest::qWait(500);
+  shoot(window, folder, "cell");
+  map->set_figure(CellFigure::neighbours);
+  map->refresh_scale();
+  raise("bench");
+  shoot(window, folder, "bench_closed");
+  for (const auto level :
+       {OperatorNotice::Level::information, OperatorNotice::Level::warning, OperatorNotice::Level::fault})
+    window.findChild<NoticesPanel*>()->add(
+        {level,
+         "cell (3, 4): 1.2 % of its pixels are saturated in every exposure; 0.1 % are allowed: add a shorter "
+         "exposure to the plan, then take the cell again"});
+  raise("notices");
+  PreviewLook look;
+  look.false_colour = true;
+  shown.last.reset();
+  window.workbench().live_preview().set_look(look);
+  if (!QTest::qWaitFor([&] { return shown.last && shown.last->look.false_colour; }, 60'000)) return 1;
+  shoot(window, folder, "notices_false_colour");
+  NewScanDialog dialog(&window);
+  dialog.show();
+  QTest::qWait(500);
+  dialog.grab().save(folder + "/new_scan.png");
   return 0;
 }
 
@@ -252,7 +301,10 @@ int main(int argc, char** argv) {
   QSettings().setValue("window/theme", theme);
   if (words.value(1) == "scan" && words.size() > 3) return lumifield::scan(words[2], words[3], words.value(4));
   if (words.value(1) == "open" && words.size() > 2) return lumifield::open(words[2], words.value(3));
+  if (words.value(1) == "shots" && words.size() > 3) return lumifield::shots(words[2], words[3]);
   if (words.value(1) == "soak" && words.size() > 4) return lumifield::soak(words[2], words[3], words[4].toDouble());
-  std::fputs("window_figures scan PLAN OUT SHOTS | open DATASET [SHOTS] | soak PLAN FOLDER MINUTES\n", stderr);
+  std::fputs(
+      "window_figures scan PLAN OUT SHOTS | open DATASET [SHOTS] | shots DATASET FOLDER | soak PLAN FOLDER MINUTES\n",
+      stderr);
   return 2;
 }
