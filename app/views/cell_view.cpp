@@ -50,7 +50,7 @@ CellView::CellView(const LuminaireModel& model, QWidget* parent)
   reading_->setAccessibleName(tr("Value under the cursor"));
   warnings_->setWordWrap(true);
   warnings_->setTextInteractionFlags(Qt::TextSelectableByMouse);
-  quality_->set_wide(false);
+  quality_->set_columns(2);
   image_->setAccessibleName(tr("Image of the cell"));
   image_->setToolTip(tr("C on S, seen facing the lamp, its light coming towards you: +x to the right, +y up") + u'\n' +
                      image_->toolTip());
@@ -62,11 +62,13 @@ CellView::CellView(const LuminaireModel& model, QWidget* parent)
   column->setSpacing(4);
   column->addWidget(title_);
   column->addWidget(make_choices());
-  column->addWidget(image_, 1);
+  auto* beside = new QHBoxLayout;
+  beside->addWidget(image_, 1);
+  beside->addWidget(quality_, 0, Qt::AlignTop);
+  column->addLayout(beside, 1);
   column->addWidget(bar_);
   column->addWidget(reading_);
   column->addWidget(histogram_);
-  column->addWidget(quality_);
   column->addWidget(warnings_);
   make_histogram_choice();
 

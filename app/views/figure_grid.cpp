@@ -23,18 +23,18 @@ FigureGrid::FigureGrid(const std::vector<Entry>& entries, QWidget* parent)
     figure.value->setFocusPolicy(Qt::NoFocus);
     figures_.push_back(figure);
   }
-  set_wide(true);
+  set_columns(static_cast<int>(entries.size()));
 }
 
-void FigureGrid::set_wide(bool wide) {
-  const int count = static_cast<int>(figures_.size()), columns = wide ? count : 3;
+void FigureGrid::set_columns(int columns) {
+  const int count = static_cast<int>(figures_.size());
   for (int i = 0; i < count; ++i) {
     const auto& [name, value, warn] = figures_[static_cast<std::size_t>(i)];
     const int row = i / columns, column = i % columns;
     const int span = i == count - 1 ? columns - column : 1;
     grid_->addWidget(name, 3 * row, column, 1, span, Qt::AlignBottom);
     grid_->addWidget(value, 3 * row + 1, column, 1, span, Qt::AlignTop);
-    grid_->setRowMinimumHeight(3 * row + 2, wide ? 0 : 6);
+    grid_->setRowMinimumHeight(3 * row + 2, columns == count ? 0 : 6);
   }
 }
 

@@ -17,7 +17,8 @@ class FigureGrid : public QWidget {
   };
   FigureGrid(const std::vector<Entry>& entries, QWidget* parent);
 
-  void set_wide(bool wide);
+  /// At least 1; as many as there are figures makes one line.
+  void set_columns(int columns);
   /// `warn` paints it in the colour of warnings and tells it to screen readers too.
   void show_figure(int index, const QString& value, const QString& tip, bool warn = false);
   QString value(int index) const;

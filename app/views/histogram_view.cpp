@@ -28,7 +28,7 @@ HistogramView::HistogramView(QWidget* parent) : QWidget(parent) {
 }
 
 QSize HistogramView::sizeHint() const { return {380, 120}; }
-QSize HistogramView::minimumSizeHint() const { return {180, 80}; }
+QSize HistogramView::minimumSizeHint() const { return {180, 66}; }
 
 void HistogramView::set_histogram(Histogram histogram) {
   histogram_ = std::move(histogram);

@@ -94,6 +94,7 @@ void MainWindow::make_panels() {
   bench_dock_ = make_dock(tr("Bench"), "bench", bench_, Qt::RightDockWidgetArea);
   notices_dock_ = make_dock(tr("Notices"), "notices", notices_, Qt::RightDockWidgetArea);
   scan_dock_ = make_dock(tr("Scan"), "scan", scan_, Qt::BottomDockWidgetArea);
+  scan_dock_->setTitleBarWidget(new QWidget(this));  // its buttons say what it is
 }
 
 QDockWidget* MainWindow::make_dock(const QString& title, const QString& name, QWidget* content,

@@ -80,7 +80,7 @@ QWidget* ScanPanel::make_progress() {
 }
 
 void ScanPanel::arrange(bool wide) {
-  figures_->set_wide(wide);
+  figures_->set_columns(wide ? 5 : 3);
   blocks_->addWidget(progress_block_, 0, 0, Qt::AlignVCenter);
   blocks_->addWidget(figures_, wide ? 0 : 1, wide ? 1 : 0);
   blocks_->addWidget(controls_, wide ? 0 : 2, wide ? 2 : 0, wide ? Qt::AlignVCenter : Qt::AlignTop);
