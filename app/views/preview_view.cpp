@@ -26,6 +26,12 @@ QImage enlarged(const QImage& image, const QSize& size) {
   return made;
 }
 
+/// Of the same aspect but for rounding: a picture of it, often coarse, may be a pixel off.
+bool alike(const QSize& picture, const QSize& place) {
+  const double width = picture.width(), height = picture.height();
+  return std::abs(width * place.height() - height * place.width()) <= std::max(place.width(), place.height());
+}
+
 }  // namespace
 
 PreviewView::PreviewView(QWidget* parent) : QWidget(parent) {
@@ -126,7 +132,8 @@ QRectF PreviewView::picture_rect() const {
   // Whole device pixels, so that a picture of the widget's size is painted as it is.
   const double ratio = devicePixelRatioF();
   const QSize device(static_cast<int>(width() * ratio), static_cast<int>(height() * ratio));
-  const QSize fit = QSize(frame_->shown.width_px, frame_->shown.height_px).scaled(device, Qt::KeepAspectRatio);
+  const QSize shown(frame_->shown.width_px, frame_->shown.height_px);
+  const QSize fit = alike(shown, device) ? device : shown.scaled(device, Qt::KeepAspectRatio);
   const QPoint corner((device.width() - fit.width()) / 2, (device.height() - fit.height()) / 2);
   return QRectF(QPointF(corner) / ratio, QSizeF(fit) / ratio);
 }

@@ -144,6 +144,13 @@ TEST_F(PreviewViewTest, ShowsThePictureScaledWithItsAspect) {
   EXPECT_EQ(at(200, 20), view.palette().color(QPalette::Window));
 }
 
+TEST_F(PreviewViewTest, ACoarsePictureFillsItsPlaceInSpiteOfRounding) {
+  show(preview_frame(43, 32));
+  EXPECT_EQ(view.picture_rect(), QRectF(0, 0, 400, 300));
+  show(preview_frame(43, 30));
+  EXPECT_LT(view.picture_rect().height(), 300);
+}
+
 TEST_F(PreviewViewTest, TellsTheFirstPaintOfEachFrame) {
   QSignalSpy painted(&view, &PreviewView::painted);
   show(preview_frame(40, 30));
