@@ -53,7 +53,8 @@ class ClosedFormDevice {
   Status set_lod(double pixels_per_support);
 
   /// Replaces the receivers and clears the sums. A receiver with n = 0 gets 0 (background of a picture).
-  /// For pictures: 4 floats each, interleaved, p in mm and n, luminaire frame.
+  /// After an error of the device there are none. For pictures: 4 floats each, interleaved, p in mm and n, luminaire
+  /// frame.
   Status set_receivers(std::span<const Receiver> receivers);
   Status set_receivers(std::span<const float> p_xyzw, std::span<const float> n_xyzw);
 

@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
+#include "renderer/bands.h"
 #include "renderer/methods/closed_form.h"
 #include "renderer/methods/closed_form_shared.h"
 #include "renderer/opencl/device.h"
@@ -28,6 +31,21 @@ std::span<const std::byte> bytes_of(const std::vector<T>& values) {
   return std::as_bytes(std::span(values));
 }
 
+/// The first receiver that is not all finite.
+std::optional<std::size_t> first_not_finite(const std::vector<ClosedFormReceiver>& all) {
+  std::atomic<std::size_t> first = all.size();
+  in_bands(all.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const ClosedFormReceiver& r = all[k];
+      // A product with 0 is 0 unless a factor is NaN or Inf.
+      if ((r.p_x * 0 + r.p_y * 0 + r.p_z * 0) + (r.n_x * 0 + r.n_y * 0 + r.n_z * 0) == 0) continue;
+      for (std::size_t least = first; k < least && !first.compare_exchange_weak(least, k);) continue;
+      return;
+    }
+  });
+  return first < all.size() ? std::optional<std::size_t>(first) : std::nullopt;
+}
+
 }  // namespace
 
 struct ClosedFormDevice::Impl {
@@ -37,12 +55,14 @@ struct ClosedFormDevice::Impl {
   ClosedFormGeometry shared{};
   DeviceBuffer receivers, sums;
   DeviceBuffer cells, images;
-  double next_lod = 0;  ///< of the next receivers
+  std::vector<ClosedFormReceiver> of_picture;  ///< kept for its memory
+  double next_lod = 0;                         ///< of the next receivers
   double last_kernel_s = 0;
 
   std::size_t channels() const { return geometry.channels.size(); }
   std::size_t plane_floats() const { return static_cast<std::size_t>(shared.plane); }
   std::size_t cell_bytes() const { return channels() * plane_floats() * sizeof(float); }
+  Status make_room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose) const;
   Status take_receivers(const std::vector<ClosedFormReceiver>& all);
   Status add(std::span<const BatchCell> all);
   Status upload(std::span<const BatchCell> batch);
@@ -105,19 +125,25 @@ Status ClosedFormDevice::set_lod(double pixels_per_support) {
   return {};
 }
 
+/// A buffer that is large enough stays: fresh memory costs more than what is written to it.
+Status ClosedFormDevice::Impl::make_room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose) const {
+  if (buffer.bytes() >= bytes && buffer.bytes() > 0) return {};
+  buffer = {};
+  auto more = device->allocate(bytes, purpose);
+  if (!more) return tl::unexpected(more.error());
+  buffer = *more;
+  return {};
+}
+
 Status ClosedFormDevice::Impl::take_receivers(const std::vector<ClosedFormReceiver>& all) {
-  for (std::size_t k = 0; k < all.size(); ++k)
-    for (double v : {all[k].p_x, all[k].p_y, all[k].p_z, all[k].n_x, all[k].n_y, all[k].n_z})
-      if (!std::isfinite(v)) return fail("has NaN or Inf", "receiver " + std::to_string(k), "give finite numbers");
+  if (const auto bad = first_not_finite(all))
+    return fail("has NaN or Inf", "receiver " + std::to_string(*bad), "give finite numbers");
   if (all.size() > std::size_t(1) << 30) return fail("more than 2^30 receivers", "receivers", "render in parts");
-  auto new_receivers = device->allocate(all.size() * sizeof(ClosedFormReceiver), "receivers");
-  if (!new_receivers) return tl::unexpected(new_receivers.error());
-  auto new_sums = device->allocate(all.size() * channels() * sizeof(double), "sums of irradiance");
-  if (!new_sums) return tl::unexpected(new_sums.error());
-  if (auto written = device->write(*new_receivers, 0, bytes_of(all)); !written) return written;
-  if (auto cleared = device->zero(*new_sums); !cleared) return cleared;
-  receivers = *new_receivers;
-  sums = *new_sums;
+  shared.receivers = 0;  // until these are there
+  if (auto room = make_room(receivers, all.size() * sizeof(ClosedFormReceiver), "receivers"); !room) return room;
+  if (auto room = make_room(sums, all.size() * channels() * sizeof(double), "sums of irradiance"); !room) return room;
+  if (auto written = device->write(receivers, 0, bytes_of(all)); !written) return written;
+  if (auto cleared = device->zero(sums); !cleared) return cleared;
   shared.receivers = static_cast<int>(all.size());
   return {};
 }
@@ -132,22 +158,20 @@ Status ClosedFormDevice::set_receivers(std::span<const Receiver> receivers) {
 Status ClosedFormDevice::set_receivers(std::span<const float> p_xyzw, std::span<const float> n_xyzw) {
   if (p_xyzw.size() != n_xyzw.size() || p_xyzw.size() % 4 != 0)
     return fail("positions and normals are not 4 floats each", "receivers", "give as many of both");
-  std::vector<ClosedFormReceiver> all;
-  all.reserve(p_xyzw.size() / 4);
-  for (std::size_t k = 0; k < p_xyzw.size(); k += 4)
-    all.push_back({p_xyzw[k], p_xyzw[k + 1], p_xyzw[k + 2], n_xyzw[k], n_xyzw[k + 1], n_xyzw[k + 2]});
+  std::vector<ClosedFormReceiver>& all = impl_->of_picture;
+  all.resize(p_xyzw.size() / 4);
+  in_bands(all.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      all[k] = {p_xyzw[4 * k], p_xyzw[4 * k + 1], p_xyzw[4 * k + 2],
+                n_xyzw[4 * k], n_xyzw[4 * k + 1], n_xyzw[4 * k + 2]};
+  });
   return impl_->take_receivers(all);
 }
 
 /// Images with padded rows, and the table of cells.
 Status ClosedFormDevice::Impl::upload(std::span<const BatchCell> batch) {
   const std::size_t bytes = batch.size() * cell_bytes();
-  if (images.bytes() < bytes) {
-    images = {};
-    auto more = device->allocate(bytes, "cell images");
-    if (!more) return tl::unexpected(more.error());
-    images = *more;
-  }
+  if (auto room = make_room(images, bytes, "cell images"); !room) return room;
   std::vector<ClosedFormCell> table;
   std::vector<float> padded(cell_bytes() / sizeof(float), 0.0f);
   const std::size_t width = static_cast<std::size_t>(shared.width), stride = static_cast<std::size_t>(shared.stride);
@@ -159,11 +183,7 @@ Status ClosedFormDevice::Impl::upload(std::span<const BatchCell> batch) {
     const Vec2 u = geometry.sampling.cell_center_mm(batch[k].index);
     table.push_back({u.x(), u.y(), batch[k].sign, static_cast<int>(k * channels()), 0});
   }
-  if (cells.bytes() < table.size() * sizeof(ClosedFormCell)) {
-    auto more = device->allocate(table.size() * sizeof(ClosedFormCell), "cells");
-    if (!more) return tl::unexpected(more.error());
-    cells = *more;
-  }
+  if (auto room = make_room(cells, table.size() * sizeof(ClosedFormCell), "cells"); !room) return room;
   return device->write(cells, 0, bytes_of(table));
 }
 
