@@ -56,8 +56,8 @@ bool LivePreview::Impl::wait(const PreviewWorker::Next& next, const std::stop_to
 }
 
 void LivePreview::Impl::run(const Callbacks& callbacks, PreviewPace pace, const std::stop_token& stop) {
-  // A thread that may not yield works all the same.
-  static_cast<void>(setpriority(PRIO_PROCESS, 0, niceness));
+  // Of this thread alone, on Linux. One that may not yield works all the same.
+  if (getpriority(PRIO_PROCESS, 0) < niceness) static_cast<void>(setpriority(PRIO_PROCESS, 0, niceness));
   PreviewWorker worker(callbacks, pace);
   PreviewWorker::Next next;
   PreviewCommands taken;

@@ -40,6 +40,7 @@ void PreviewWorker::take_scene(const Scene& scene) {
   // The old one goes first, so that two never need memory at once.
   renderer_.reset();
   lit_ = false;
+  drawn_.reset();
   view_.camera = scene.camera;
   view_changed_ = true;
   last_.reset();

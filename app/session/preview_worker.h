@@ -77,7 +77,9 @@ class PreviewWorker {
   bool lit_ = false;    ///< the renderer has the luminaire
   bool stuck_ = false;  ///< after an error, until something comes
   bool view_changed_ = true, look_changed_ = false;
-  std::optional<PreviewDetail> drawn_;  ///< of the view; empty before it is drawn
+  std::optional<PreviewDetail> drawn_;  ///< empty before anything is
+  View drawn_view_;
+  bool hasty_ = false;  ///< coarse, or of a camera that moves: made at one go
   bool caught_up_ = false;
   bool dirty_ = false;  ///< drawn or summed since the last frame
   std::shared_ptr<const PreviewFrame> last_;

@@ -19,7 +19,7 @@ constexpr int many_cells = 8;
 /// While many cells come, a picture that grows is shown this often.
 constexpr double refresh_s = 0.1;
 /// The scan gets the cores back after so much work without a frame.
-constexpr double longest_work_s = 0.1, longest_rest_s = 0.25;
+constexpr double longest_work_s = 0.25, longest_rest_s = 0.25;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -53,9 +53,10 @@ PreviewWorker::Next PreviewWorker::work() {
   }
   if (!renderer_ || !lit_ || stuck_) return {};
 
-  // Draw, sum or show: what comes next.
-  const PreviewDetail detail = detail_wanted(now);
-  if (view_changed_ || drawn_ != detail) {
+  // Draw, sum or show: what comes next. A hasty picture is made to its end, since newer views come faster.
+  const bool under_way = drawn_ && hasty_ && dirty_;
+  const PreviewDetail detail = under_way ? *drawn_ : detail_wanted(now);
+  if (!under_way && (view_changed_ || drawn_ != detail)) {
     // A picture that would be ready too soon is begun later, with the camera of then.
     const Clock::time_point begin = due() - seconds(coarse_took_s_);
     if (moving_ && now < begin) return {begin, begin};
@@ -107,6 +108,8 @@ void PreviewWorker::draw(PreviewDetail detail) {
   if (const Status viewed = renderer_->set_view(view_.camera, width, height, detail.lod); !viewed)
     return stop_at(viewed.error());
   drawn_ = detail;
+  drawn_view_ = view_;
+  hasty_ = moving_ || !detail.full();
   view_changed_ = false;
   caught_up_ = renderer_->waiting() == 0;
   dirty_ = true;
@@ -118,15 +121,14 @@ void PreviewWorker::draw(PreviewDetail detail) {
 void PreviewWorker::sum() {
   const Clock::time_point start = Clock::now();
   const int before = renderer_->waiting();
-  // A coarse picture is made at one go: newer views come faster than it could be begun anew.
-  if (const Status summed = renderer_->sum_some(drawn_->full() ? pace_.slice : 1e9); !summed)
-    return stop_at(summed.error());
+  if (const Status summed = renderer_->sum_some(hasty_ ? 1e9 : pace_.slice); !summed) return stop_at(summed.error());
   caught_up_ = caught_up();
   dirty_ = true;
   const double took_s = seconds_since(start);
   sum_s_ += took_s;
   if (!drawn_->full()) coarse_took_s_ += took_s;
-  costs_.summed(*drawn_, view_.pixels() / (drawn_->divisor * drawn_->divisor), before - renderer_->waiting(), took_s);
+  costs_.summed(*drawn_, drawn_view_.pixels() / (drawn_->divisor * drawn_->divisor), before - renderer_->waiting(),
+                took_s);
 }
 
 void PreviewWorker::show() {
@@ -135,7 +137,7 @@ void PreviewWorker::show() {
   if (!picture) return stop_at(picture.error());
   PreviewFrame frame;
   frame.radiance = std::make_shared<const Picture>(std::move(*picture));
-  frame.camera = view_.camera;
+  frame.camera = drawn_view_.camera;
   frame.cells = renderer_->summed();
   frame.total = geometry_->sampling.cells();
   frame.coarse = !drawn_->full();
@@ -151,7 +153,7 @@ void PreviewWorker::show() {
   last_error_.clear();
   const PreviewDetail detail = *drawn_;
   hand_out(std::move(frame), start);
-  const double pixels = view_.pixels() / (detail.divisor * detail.divisor);
+  const double pixels = drawn_view_.pixels() / (detail.divisor * detail.divisor);
   costs_.shown(detail, pixels, last_->show_s);
   if (!detail.full()) coarse_took_s_ += last_->show_s;
 }

@@ -275,6 +275,32 @@ TEST_F(LivePreviewTest, AMovingCameraGetsCoarsePicturesAndTheFullOneWhenItRests)
   EXPECT_EQ(full->cells, all_);
 }
 
+TEST_F(LivePreviewTest, ACameraThatNeverRestsIsShownAllTheSame) {
+  for (const double coarse : {0.0, 1e3}) {  // coarse pictures, and full ones of a camera that moves
+    auto live = preview({.coarse = coarse});
+    live->set_scene(scene_);
+    live->set_luminaire(geometry_);
+    add_all(*live);
+    const std::size_t from = told_.frames();
+    const auto end = std::chrono::steady_clock::now() + patience;
+    int moves = 0;
+    const auto shown = [&] {
+      double last = -1;
+      int count = 0;
+      const std::vector<FramePtr> frames = told_.all();
+      for (std::size_t k = from; k < frames.size(); ++k) {
+        if (frames[k]->camera.position_mm.x() == last) continue;
+        last = frames[k]->camera.position_mm.x();
+        if (frames[k]->cells == all_) ++count;
+      }
+      return count;
+    };
+    // Faster than a picture can be drawn.
+    while (shown() < 5 && std::chrono::steady_clock::now() < end) live->set_camera(camera(++moves % 900), true);
+    EXPECT_GE(shown(), 5) << moves << " moves";
+  }
+}
+
 TEST_F(LivePreviewTest, ANewerViewInterruptsAndTheLatestCounts) {
   std::mutex gate;
   LivePreview::Callbacks callbacks = told_.callbacks();

@@ -38,8 +38,13 @@ LuminaireGeometry bike_light() {
   return g;
 }
 
+/// A frame without its pictures: they go as soon as the next one comes, as in a window.
 struct Frame {
-  std::shared_ptr<const PreviewFrame> frame;
+  bool error = false;
+  int cells = 0, width_px = 0;
+  bool coarse = false;
+  double sum_s = 0, show_s = 0;
+  Vec3 position_mm{0, 0, 0};
   Clock::time_point at;
 };
 
@@ -47,13 +52,15 @@ struct Frame {
 class Bench {
  public:
   Bench()
-      : live({[this](auto frame) {
-                note({std::move(frame), Clock::now()});
+      : live({[this](std::shared_ptr<const PreviewFrame> frame) {
+                note({false, frame->cells, frame->radiance->width_px, frame->coarse, frame->sum_s, frame->show_s,
+                      frame->camera.position_mm, Clock::now()});
+                shown_ = std::move(frame);
               },
               {},
               [this](const Error& error) {
                 std::fprintf(stderr, "%s\n", error.message().c_str());
-                note({nullptr, Clock::now()});
+                note({.error = true, .at = Clock::now()});
               }}) {}
   /// The first frame after the last one looked at that is as wanted; an error ends the program.
   template <class Wanted>
@@ -62,8 +69,8 @@ class Bench {
     while (true) {
       came_.wait(lock, [&] { return seen_ < frames_.size(); });
       const Frame frame = frames_[seen_++];
-      if (!frame.frame) std::exit(1);
-      if (wanted(*frame.frame)) return frame;
+      if (frame.error) std::exit(1);
+      if (wanted(frame)) return frame;
     }
   }
   std::vector<Frame> rest() {
@@ -83,6 +90,7 @@ class Bench {
   std::condition_variable came_;
   std::vector<Frame> frames_;
   std::size_t seen_ = 0;
+  std::shared_ptr<const PreviewFrame> shown_;
 
  public:
   LivePreview live;  ///< the last, so that it ends first
@@ -96,19 +104,21 @@ SceneCamera orbited(const SceneCamera& camera, double degrees) {
   return moved;
 }
 
+/// One at a time, `apart` after the picture of the one before.
 void add_cells(Bench& bench, const std::vector<std::shared_ptr<const CellImage>>& images,
-               const LuminaireGeometry& geometry) {
+               const LuminaireGeometry& geometry, std::chrono::milliseconds apart) {
   const Sampling& sampling = geometry.sampling;
   bench.live.set_luminaire(geometry);
   std::vector<double> total, sum, show;
   for (int k = 0; k < sampling.cells(); ++k) {
+    std::this_thread::sleep_for(apart);
     const Clock::time_point start = Clock::now();
     bench.live.add(sampling.index(k), images[static_cast<std::size_t>(k)]);
-    const Frame got = bench.next([&](const PreviewFrame& f) { return f.cells == k + 1 && !f.coarse; });
+    const Frame got = bench.next([&](const Frame& f) { return f.cells == k + 1 && !f.coarse; });
     if (k < 3) continue;  // kernels are compiled, times learned
     total.push_back(ms(got.at - start));
-    sum.push_back(1e3 * got.frame->sum_s);
-    show.push_back(1e3 * got.frame->show_s);
+    sum.push_back(1e3 * got.sum_s);
+    show.push_back(1e3 * got.show_s);
   }
   std::printf(
       "cell handed in to frame: median %.1f ms, p95 %.1f; of it summing %.1f and showing %.1f (medians), %.2f "
@@ -121,12 +131,12 @@ void change_views(Bench& bench, const SceneCamera& camera) {
   std::vector<double> coarse, full;
   for (int k = 1; k <= 5; ++k) {
     const SceneCamera moved = orbited(camera, 7.0 * k);
-    const auto of_view = [&](const PreviewFrame& f) { return f.camera.position_mm == moved.position_mm; };
+    const auto of_view = [&](const Frame& f) { return f.position_mm == moved.position_mm; };
     const Clock::time_point start = Clock::now();
     bench.live.set_camera(moved, false);
     Frame got = bench.next(of_view);
     coarse.push_back(ms(got.at - start));
-    if (got.frame->coarse) got = bench.next([&](const PreviewFrame& f) { return of_view(f) && !f.coarse; });
+    if (got.coarse) got = bench.next([&](const Frame& f) { return of_view(f) && !f.coarse; });
     full.push_back(ms(got.at - start));
   }
   std::printf("another view: first picture after %.0f ms, full one after %.0f ms (medians of %zu)\n",
@@ -145,7 +155,7 @@ void orbit(Bench& bench, const SceneCamera& camera) {
   std::vector<double> gaps, widths;
   for (std::size_t k = 1; k < frames.size(); ++k) {
     gaps.push_back(ms(frames[k].at - frames[k - 1].at));
-    widths.push_back(frames[k].frame->radiance->width_px);
+    widths.push_back(frames[k].width_px);
   }
   std::printf("orbiting: %.1f pictures a second, %.0f ms from one to the next (median; p95 %.0f), %.0f pixels wide\n",
               1e3 * static_cast<double>(gaps.size()) / ms(frames.back().at - frames.front().at), quantile(gaps, 0.5),
@@ -172,14 +182,14 @@ bool measure(int width, int height) {
   bench.live.set_size(width, height);
   bench.live.set_scene(*scene);
   std::printf("%dx%d, %d cells\n", width, height, geometry.sampling.cells());
-  add_cells(bench, images, geometry);
+  add_cells(bench, images, geometry, std::chrono::milliseconds(60));
   change_views(bench, scene->camera);
   orbit(bench, scene->camera);
   bench.live.set_camera(scene->camera, false);
-  bench.next([](const PreviewFrame& f) { return !f.coarse; });
+  bench.next([](const Frame& f) { return !f.coarse; });
   bench.live.set_scan_running(true);
   std::printf("with the scan running (the thread rests as long as it works):\n");
-  add_cells(bench, images, geometry);
+  add_cells(bench, images, geometry, std::chrono::milliseconds(400));
   orbit(bench, scene->camera);
   return true;
 }
