@@ -21,7 +21,7 @@ double live_exposure_s(const Plan& plan) {
 
 Workbench::Workbench(LivePreview& preview, QObject* parent) : QObject(parent), preview_(preview) {
   connect(&model_, &LuminaireModel::resetDone, this, &Workbench::changed);
-  connect(&model_, &LuminaireModel::loadBegan, this, [this] { preview_.set_luminaire(*model_.geometry()); });
+  connect(&model_, &LuminaireModel::loadBegan, this, &Workbench::take_opened);
   connect(&model_, &LuminaireModel::cellLoaded, this,
           [this](CellIndex cell, std::shared_ptr<const CellImage> image) { preview_.add(cell, std::move(image)); });
   connect(&model_, &LuminaireModel::loadFailed, this, [this](const QString& message) {
@@ -99,13 +99,19 @@ void Workbench::open(const std::filesystem::path& folder) {
                                                .arg(text(folder.string())));
     return;
   }
-  folder_ = folder;
   when_loaded_.reset();
-  if (request_ && request_->out != folder) {
+  opening_ = folder;
+  model_.load(folder);
+}
+
+/// What is asked for is a dataset: now it is the one shown.
+void Workbench::take_opened() {
+  folder_ = opening_;
+  if (request_ && request_->out != folder_) {
     request_.reset();
     scan_.watch(std::nullopt, 0);
   }
-  model_.load(folder);
+  preview_.set_luminaire(*model_.geometry());
   emit changed();
 }
 

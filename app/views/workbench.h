@@ -55,6 +55,7 @@ class Workbench : public QObject {
   void changed();
 
  private:
+  void take_opened();
   void take_prepared(ScanRequest request, bool exists);
   void begin(std::vector<CellIndex> retakes);
   void report(OperatorNotice::Level level, const QString& text) { emit noticed({level, text}); }
@@ -63,7 +64,7 @@ class Workbench : public QObject {
   LivePreview& preview_;
   LuminaireModel model_;
   ScanController scan_;
-  std::filesystem::path folder_;
+  std::filesystem::path folder_, opening_;
   std::optional<ScanRequest> request_;
   std::set<CellIndex> waiting_;
   std::atomic<bool> keep_cells_{false};                ///< the scan goes on with the luminaire that the preview holds
