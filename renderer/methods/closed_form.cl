@@ -12,42 +12,8 @@
 #include "renderer/methods/closed_form_shared.h"
 #include "renderer/methods/closed_form_axis.clh"
 #include "renderer/methods/closed_form_horizon.clh"
-
-#define BLOCK 16
-
-// Weights of 16 rows, to be read one by one.
-typedef struct {
-  float w0[BLOCK], w1[BLOCK];
-} RowWeights;
-
-INLINE void row_weights(const ReceiverAxes* receiver, const CellAxes* axes, int start, int from_low, RowWeights* rows) {
-  const Weights w = weights(receiver->unit.y, receiver->scale.y, axes->whole_y, axes->part_y, start, from_low);
-  vstore16(w.w0, 0, rows->w0);
-  vstore16(w.w1, 0, rows->w1);
-}
-
-// Σ C (k w0 w0 + x w1 w0 + y w0 w1) over a block of 16 columns and `rows` rows, left in eight parts; g is taken at the end
-// of the support that lies deepest, so that its terms have one sign.
-INLINE float8 block_sum(__global const float* c, int stride, int rows, const Weights* wx, const RowWeights* wy, float4 g) {
-  float16 plain = 0, tilted = 0, plain_odd = 0, tilted_odd = 0;
-  int j = 0;
-  for (; j + 1 < rows; j += 2) {
-    const float16 row = vload16(0, c + j * stride), next = vload16(0, c + (j + 1) * stride);
-    plain += row * wy->w0[j];
-    tilted += row * wy->w1[j];
-    plain_odd += next * wy->w0[j + 1];
-    tilted_odd += next * wy->w1[j + 1];
-  }
-  if (j < rows) {
-    const float16 row = vload16(0, c + j * stride);
-    plain += row * wy->w0[j];
-    tilted += row * wy->w1[j];
-  }
-  plain += plain_odd;
-  tilted += tilted_odd;
-  const float16 sum = plain * (g.x * wx->w0 + g.y * wx->w1) + tilted * (g.z * wx->w0);
-  return sum.lo + sum.hi;
-}
+#include "renderer/methods/closed_form_sum.clh"
+#include "renderer/methods/closed_form_four.clh"
 
 // The pixel `number` of an axis as an interval of X within the support.
 double2 interval(double rate, double low, int number) {
@@ -56,7 +22,7 @@ double2 interval(double rate, double low, int number) {
 
 // Σ C ∬ φφ max(0, g) over a block where the horizon cuts the support: pixels well above it by their moments, those near
 // it clipped in double. Near U pixels are too narrow, near S too wide for float to place them: all count as near it.
-void cut_block(__global const float* c, const ClosedFormGeometry* geometry, const ReceiverAxes* receiver,
+void cut_block(__global const float* c, int plane, int stride, const ReceiverAxes* receiver,
                const CellAxes* axes, int2 start, const Weights* wx, const RowWeights* wy, const HorizonPlane* g,
                float4 deepest, double sign, double8* sum) {
   const double2 rates = receiver->rate;
@@ -78,7 +44,7 @@ void cut_block(__global const float* c, const ClosedFormGeometry* geometry, cons
     const float16 moments = (deepest.x * wx->w0 + deepest.y * wx->w1) * wy->w0[j] + deepest.z * wx->w0 * wy->w1[j];
     const float16 weight = select((float16)0, moments, least >= margin && (int16)!exact);
     for (int channel = 0; channel < CHANNELS; ++channel) {
-      const float16 product = weight * vload16(0, c + channel * geometry->plane + j * geometry->stride);
+      const float16 product = weight * vload16(0, c + channel * plane + j * stride);
       sum[channel] += convert_double8(product.lo + product.hi);
     }
 
@@ -89,14 +55,83 @@ void cut_block(__global const float* c, const ClosedFormGeometry* geometry, cons
       if (!near[i]) continue;
       const double clipped = scale * clipped_integral(g, (double4)(interval(rates.x, axes->low.x, start.x + i), v));
       for (int channel = 0; channel < CHANNELS; ++channel)
-        sum[channel].s0 += clipped * c[channel * geometry->plane + j * geometry->stride + i];
+        sum[channel].s0 += clipped * c[channel * plane + j * stride + i];
+    }
+  }
+}
+
+// The pixels of a cell that are seen; what is below the horizon shows none.
+INLINE CellAxes axes_of(const ClosedFormGeometry* geometry, const ReceiverView* view, double2 u) {
+  const double2 corner = (double2)(geometry->corner_x, geometry->corner_y);
+  return cell_axes(&view->axes, u, corner, (double2)(view->level.width, view->level.height));
+}
+
+// Adds the cells that are above the horizon, and tells whether it cuts others. The weights of rows are shared by the cells
+// of a row of the grid.
+INLINE int add_whole(const ClosedFormGeometry* geometry, const ReceiverView* view, __global const ClosedFormCell* cells,
+                     __global const float* images, int m, int end, RowWeights* wy, double row_u, double8* sum) {
+  const int stride = view->level.stride, plane = geometry->plane;
+  int cut = 0, row_start = 0;
+  for (; m < end; ++m) {
+    const ClosedFormCell cell = cells[m];
+    const double k = above_center(view, cell.u_x, cell.u_y);
+    if (k - view->span < 0) {
+      cut |= k + view->span > 0;
+      continue;
+    }
+    const CellAxes seen = axes_of(geometry, view, (double2)(cell.u_x, cell.u_y));
+    if (seen.count.x <= 0 || seen.count.y <= 0) continue;
+    if (cell.u_y != row_u) row_start = -1;
+    row_u = cell.u_y;
+    const Columns c = {{images + (size_t)cell.image * plane + (size_t)seen.first.y * stride + seen.first.x}};
+    const float sign = (float)cell.sign;
+    const ColumnHorizon g = {sign * (float)(k - view->span), sign * (float)fabs(view->slope_x),
+                             sign * (float)fabs(view->slope_y)};
+    for (int j = 0; j < seen.count.y; j += BLOCK) {
+      if (j != row_start) row_weights(&view->axes, &seen, row_start = j, view->slope_y >= 0, wy);
+      const int rows = min(BLOCK, seen.count.y - j);
+      for (int i = 0; i < seen.count.x; i += BLOCK) {
+        const Knots knots = knots_of_one(seen.whole_x, seen.part_x, i);
+        const Weights wx =
+            weights(&knots, view->axes.unit.x, view->axes.scale.x, view->axes.per_scale.x, view->slope_x >= 0);
+        for (int channel = 0; channel < CHANNELS; ++channel) {
+          const float16 part = column_sums(&c, 1, j * stride + i + channel * plane, stride, rows, &wx, wy, &g);
+          sum[channel] += convert_double8(part.lo + part.hi);
+        }
+      }
+    }
+  }
+  return cut;
+}
+
+// Adds the cells that the horizon cuts.
+INLINE void add_cut(const ClosedFormGeometry* geometry, const ReceiverView* view, __global const ClosedFormCell* cells,
+                    __global const float* images, int m, int end, RowWeights* wy, double8* sum) {
+  const int stride = view->level.stride;
+  for (; m < end; ++m) {
+    const ClosedFormCell cell = cells[m];
+    const HorizonPlane g = {above_center(view, cell.u_x, cell.u_y), view->slope_x, view->slope_y};
+    if (g.k + view->span <= 0 || g.k - view->span >= 0) continue;
+    const CellAxes seen = axes_of(geometry, view, (double2)(cell.u_x, cell.u_y));
+    __global const float* c =
+        images + (size_t)cell.image * geometry->plane + (size_t)seen.first.y * stride + seen.first.x;
+    const float4 deepest =
+        (float)cell.sign * (float4)((float)(g.k - view->span), (float)fabs(g.x), (float)fabs(g.y), 0);
+    for (int i = 0; i < seen.count.x; i += BLOCK) {
+      const Knots knots = knots_of_one(seen.whole_x, seen.part_x, i);
+      const Weights wx = weights(&knots, view->axes.unit.x, view->axes.scale.x, view->axes.per_scale.x, g.x >= 0);
+      for (int j = 0; j < seen.count.y; j += BLOCK) {
+        row_weights(&view->axes, &seen, j, g.y >= 0, wy);
+        cut_block(c + j * stride + i, geometry->plane, stride, &view->axes, &seen, (int2)(i, j), &wx, wy, &g, deepest,
+                  cell.sign, sum);
+      }
     }
   }
 }
 
 __kernel void closed_form_add(const ClosedFormGeometry geometry, __global const ClosedFormReceiver* receivers,
                               __global const ClosedFormCell* cells, __global const float* images,
-                              __global double* sums) {
+                              __global const ClosedFormLevel* levels, __global double* sums) {
   const int id = get_global_id(0);
   if (id >= geometry.receivers) return;
   const ClosedFormReceiver receiver = receivers[id];
@@ -105,53 +140,30 @@ __kernel void closed_form_add(const ClosedFormGeometry geometry, __global const 
   // What follows from the receiver alone.
   const double z = receiver.p_z, separation = geometry.separation;
   const double2 spacing = (double2)(geometry.spacing_x, geometry.spacing_y);
-  const double2 corner = (double2)(geometry.corner_x, geometry.corner_y);
   const double2 pixel = (double2)(geometry.pixel_x, geometry.pixel_y);
-  const double2 pixels = (double2)(geometry.width, geometry.height);
-  const ReceiverAxes axes = receiver_axes((double2)(receiver.p_x, receiver.p_y), z, separation, spacing, pixel);
   const double forward = z >= separation ? 1 : -1;
-  const double slope_x = forward * receiver.n_x * geometry.spacing_x, slope_y = forward * receiver.n_y * geometry.spacing_y;
-  const double span = HALF * (fabs(slope_x) + fabs(slope_y));
-  const double factor =
-      separation * separation * geometry.spacing_x * geometry.spacing_y / (z * z * z) * ((double)axes.scale.x * axes.scale.y);
+  ReceiverView view;
+  view.at = receiver;
+  view.axes = receiver_axes((double2)(receiver.p_x, receiver.p_y), z, separation, spacing, pixel,
+                            (double2)(geometry.pixels_per_mm_x, geometry.pixels_per_mm_y), geometry.lod,
+                            geometry.levels);
+  view.level = levels[view.axes.level];
+  view.slope_x = forward * receiver.n_x * geometry.spacing_x;
+  view.slope_y = forward * receiver.n_y * geometry.spacing_y;
+  view.span = HALF * (fabs(view.slope_x) + fabs(view.slope_y));
+  images += view.level.offset;
 
   double8 sum[CHANNELS];
   for (int channel = 0; channel < CHANNELS; ++channel) sum[channel] = 0;
   RowWeights wy;
   double row_u = NAN;  // of wy
-  int row_start = -1;
-  for (int m = geometry.first_cell; m < geometry.first_cell + geometry.cells; ++m) {
-    // Above, below or across the horizon.
-    const ClosedFormCell cell = cells[m];
-    const double k = receiver.n_x * (cell.u_x - receiver.p_x) + receiver.n_y * (cell.u_y - receiver.p_y) - receiver.n_z * z;
-    if (k + span <= 0) continue;
-
-    // The pixels seen; the weights of rows are shared by the cells of a row of the grid.
-    const CellAxes seen = cell_axes(&axes, (double2)(cell.u_x, cell.u_y), corner, pixel, pixels);
-    if (seen.count.x <= 0 || seen.count.y <= 0) continue;
-    if (cell.u_y != row_u) row_start = -1;
-    row_u = cell.u_y;
-    __global const float* c =
-        images + (size_t)cell.image * geometry.plane + (size_t)seen.first.y * geometry.stride + seen.first.x;
-
-    const float sign = (float)cell.sign;
-    const float4 deepest = sign * (float4)((float)(k - span), (float)fabs(slope_x), (float)fabs(slope_y), 0);
-    const HorizonPlane g = {k, slope_x, slope_y};
-    for (int i = 0; i < seen.count.x; i += BLOCK) {
-      const Weights wx = weights(axes.unit.x, axes.scale.x, seen.whole_x, seen.part_x, i, slope_x >= 0);
-      for (int j = 0; j < seen.count.y; j += BLOCK) {
-        if (j != row_start) row_weights(&axes, &seen, row_start = j, slope_y >= 0, &wy);
-        __global const float* block = c + j * geometry.stride + i;
-        if (k - span < 0) {
-          cut_block(block, &geometry, &axes, &seen, (int2)(i, j), &wx, &wy, &g, deepest, cell.sign, sum);
-          continue;
-        }
-        for (int channel = 0; channel < CHANNELS; ++channel)
-          sum[channel] += convert_double8(block_sum(block + channel * geometry.plane, geometry.stride,
-                                                    min(BLOCK, seen.count.y - j), &wx, &wy, deepest));
-      }
-    }
-  }
+  const int end = geometry.first_cell + geometry.cells;
+  int m = geometry.first_cell;
+  if (view.axes.level > 0) m = add_fours(&geometry, &view, cells, images, m, end, &wy, &row_u, sum);
+  if (add_whole(&geometry, &view, cells, images, m, end, &wy, row_u, sum))
+    add_cut(&geometry, &view, cells, images, m, end, &wy, sum);
+  const double factor =
+      separation * separation * geometry.spacing_x * geometry.spacing_y / (z * z * z) * view.axes.scale.x * view.axes.scale.y;
   for (int channel = 0; channel < CHANNELS; ++channel) {
     const double4 four = sum[channel].lo + sum[channel].hi;
     sums[(size_t)id * CHANNELS + channel] += factor * ((four.x + four.y) + (four.z + four.w));
@@ -163,13 +175,16 @@ __kernel void closed_form_layout(__global int* layout) {
   ClosedFormGeometry geometry;
   ClosedFormReceiver receiver;
   ClosedFormCell cell;
+  ClosedFormLevel level;
   layout[0] = sizeof geometry;
   layout[1] = (int)((char*)&geometry.corner_x - (char*)&geometry);
-  layout[2] = (int)((char*)&geometry.width - (char*)&geometry);
+  layout[2] = (int)((char*)&geometry.levels - (char*)&geometry);
   layout[3] = (int)((char*)&geometry.cells - (char*)&geometry);
   layout[4] = sizeof receiver;
   layout[5] = (int)((char*)&receiver.n_z - (char*)&receiver);
   layout[6] = sizeof cell;
   layout[7] = (int)((char*)&cell.sign - (char*)&cell);
   layout[8] = (int)((char*)&cell.image - (char*)&cell);
+  layout[9] = sizeof level;
+  layout[10] = (int)((char*)&level.offset - (char*)&level);
 }

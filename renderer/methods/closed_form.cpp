@@ -5,6 +5,7 @@
 
 #include "renderer/methods/axis_weights.h"
 #include "renderer/methods/horizon.h"
+#include "renderer/methods/image_levels.h"
 
 namespace lumifield {
 
@@ -12,22 +13,36 @@ struct ClosedForm::Impl {
   struct Cell {
     Vec2 u_mm;
     std::shared_ptr<const CellImage> image;
+    std::vector<std::vector<ImageLevel>> coarse;  ///< by channel; empty where all is exact
+
+    double at(int level, int channel, int i, int j) const {
+      if (level == 0) return image->at(channel, i, j);
+      const ImageLevel& means = coarse[static_cast<std::size_t>(channel)][static_cast<std::size_t>(level - 1)];
+      return means
+          .mean[static_cast<std::size_t>(j) * static_cast<std::size_t>(means.width_px) + static_cast<std::size_t>(i)];
+    }
   };
   LuminaireGeometry geometry;
   Basis basis;
+  double pixels_per_support;
   std::vector<Cell> cells;
 
-  void add(const Receiver& receiver, const Cell& cell, std::vector<double>& sum) const;
+  int level(const Receiver& receiver) const;
+  void add(const Receiver& receiver, int level, const Cell& cell, std::vector<double>& sum) const;
   double weight(const HorizonPlane& g, const AxisWeights::Pixel& x, const AxisWeights::Pixel& y, bool above) const;
 };
 
-ClosedForm::ClosedForm(const LightField& light_field)
-    : impl_(new Impl{light_field.geometry(), Basis(light_field.geometry().sampling.basis), {}}) {
+ClosedForm::ClosedForm(const LightField& light_field, double pixels_per_support)
+    : impl_(new Impl{light_field.geometry(), Basis(light_field.geometry().sampling.basis), pixels_per_support, {}}) {
   const Sampling& sampling = impl_->geometry.sampling;
   for (int flat = 0; flat < sampling.cells(); ++flat) {
     const CellIndex index = sampling.index(flat);
-    if (auto image = light_field.cell(index))
-      impl_->cells.push_back({sampling.cell_center_mm(index), std::move(image)});
+    auto image = light_field.cell(index);
+    if (!image) continue;
+    Impl::Cell cell{sampling.cell_center_mm(index), std::move(image), {}};
+    for (int c = 0; pixels_per_support > 0 && c < cell.image->channels; ++c)
+      cell.coarse.push_back(coarse_levels(cell.image->channel(c), cell.image->width_px, cell.image->height_px));
+    impl_->cells.push_back(std::move(cell));
   }
 }
 
@@ -41,7 +56,15 @@ double ClosedForm::Impl::weight(const HorizonPlane& g, const AxisWeights::Pixel&
   return clipped_integral(basis, g, rectangle);
 }
 
-void ClosedForm::Impl::add(const Receiver& receiver, const Cell& cell, std::vector<double>& sum) const {
+int ClosedForm::Impl::level(const Receiver& receiver) const {
+  const Measurement& m = geometry.measurement;
+  const double height = receiver.p_mm.z(), r = (height - geometry.planes.separation_mm) / height;
+  const Vec2 per_spacing = geometry.sampling.spacing_mm.cwiseQuotient(m.pixel_mm);
+  const double span = std::abs(r) * per_spacing.maxCoeff() * 2 * basis.half_support();
+  return level_of_detail(pixels_per_support, span, coarsest_level(m.width_px, m.height_px));
+}
+
+void ClosedForm::Impl::add(const Receiver& receiver, int level, const Cell& cell, std::vector<double>& sum) const {
   // Classify the support against the receiver's horizon.
   const Sampling& sampling = geometry.sampling;
   const Vec2 a = sampling.spacing_mm;
@@ -53,13 +76,17 @@ void ClosedForm::Impl::add(const Receiver& receiver, const Cell& cell, std::vect
   if (highest(g, support) <= 0) return;
   const bool above = lowest(g, support) >= 0;
 
-  // Weights of both axes.
+  // Weights of both axes over the level's pixels.
   const Measurement& m = geometry.measurement;
   const double delta = geometry.planes.separation_mm;
+  const double times = std::ldexp(1.0, level);
+  const Vec2 corner = m.corner_mm(), pixel = m.pixel_mm * times;
+  const int width = static_cast<int>(std::ceil(m.width_px / times));
+  const int height = static_cast<int>(std::ceil(m.height_px / times));
   const AxisWeights x =
-      axis_weights(basis, {delta, p.z(), p.x()}, {cell.u_mm.x(), a.x(), m.corner_mm().x(), m.pixel_mm.x(), m.width_px});
-  const AxisWeights y = axis_weights(basis, {delta, p.z(), p.y()},
-                                     {cell.u_mm.y(), a.y(), m.corner_mm().y(), m.pixel_mm.y(), m.height_px});
+      axis_weights(basis, {delta, p.z(), p.x()}, {cell.u_mm.x(), a.x(), corner.x(), pixel.x(), width});
+  const AxisWeights y =
+      axis_weights(basis, {delta, p.z(), p.y()}, {cell.u_mm.y(), a.y(), corner.y(), pixel.y(), height});
 
   // Sum rows, then the cell.
   std::vector<double> total(sum.size(), 0.0), row(sum.size());
@@ -69,7 +96,7 @@ void ClosedForm::Impl::add(const Receiver& receiver, const Cell& cell, std::vect
       if (x.pixels[i].w0 == 0 || y.pixels[j].w0 == 0) continue;
       const double w = weight(g, x.pixels[i], y.pixels[j], above);
       for (std::size_t c = 0; c < row.size(); ++c)
-        row[c] += w * cell.image->at(int(c), x.first + int(i), y.first + int(j));
+        row[c] += w * cell.at(level, int(c), x.first + int(i), y.first + int(j));
     }
     for (std::size_t c = 0; c < row.size(); ++c) total[c] += row[c];
   }
@@ -80,7 +107,8 @@ void ClosedForm::Impl::add(const Receiver& receiver, const Cell& cell, std::vect
 std::vector<double> ClosedForm::irradiance(const Receiver& receiver) const {
   std::vector<double> sum(impl_->geometry.channels.size(), 0.0);
   if (!(receiver.p_mm.z() > 0)) return sum;
-  for (const Impl::Cell& cell : impl_->cells) impl_->add(receiver, cell, sum);
+  const int level = impl_->level(receiver);
+  for (const Impl::Cell& cell : impl_->cells) impl_->add(receiver, level, cell, sum);
   return sum;
 }
 

@@ -26,7 +26,8 @@ struct Receiver {
 /// Host oracle: double precision throughout. Reentrant; reads the light field's cells at construction.
 class ClosedForm {
  public:
-  explicit ClosedForm(const LightField& light_field);
+  /// pixels_per_support: level of detail T, as of ClosedFormDevice::set_lod; finite, 0 or more.
+  explicit ClosedForm(const LightField& light_field, double pixels_per_support = 0);
   ~ClosedForm();
 
   /// E per channel, in the dataset's irradiance unit.

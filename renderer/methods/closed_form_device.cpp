@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstring>
 #include <optional>
 
 #include "renderer/bands.h"
 #include "renderer/methods/closed_form.h"
 #include "renderer/methods/closed_form_shared.h"
+#include "renderer/methods/device_images.h"
 #include "renderer/opencl/device.h"
 
 namespace lumifield {
@@ -14,8 +14,6 @@ namespace lumifield {
 namespace {
 
 constexpr std::size_t work_group = 64;
-/// Floats that a kernel reads at once.
-constexpr int vector_floats = 16;
 /// Images held on the device at a time.
 constexpr std::size_t batch_bytes = std::size_t(256) << 20;
 
@@ -53,15 +51,15 @@ struct ClosedFormDevice::Impl {
   std::unique_ptr<OpenClDevice> device;
   DeviceKernel kernel;
   ClosedFormGeometry shared{};
-  DeviceBuffer receivers, sums;
+  DeviceImages layout;
+  DeviceBuffer receivers, levels, sums;
   DeviceBuffer cells, images;
   std::vector<ClosedFormReceiver> of_picture;  ///< kept for its memory
   double next_lod = 0;                         ///< of the next receivers
   double last_kernel_s = 0;
 
   std::size_t channels() const { return geometry.channels.size(); }
-  std::size_t plane_floats() const { return static_cast<std::size_t>(shared.plane); }
-  std::size_t cell_bytes() const { return channels() * plane_floats() * sizeof(float); }
+  std::size_t cell_bytes() const { return layout.image_floats() * sizeof(float); }
   Status make_room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose) const;
   Status take_receivers(const std::vector<ClosedFormReceiver>& all);
   Status add(std::span<const BatchCell> all);
@@ -81,13 +79,10 @@ Result<std::unique_ptr<ClosedFormDevice>> ClosedFormDevice::create(const Luminai
   if (geometry.channels.size() != 1 && geometry.channels.size() != 3)
     return fail("a luminaire of " + std::to_string(geometry.channels.size()) + " channels cannot be rendered",
                 "channels", "give it the channel Y, or R, G, B");
-  const std::size_t stride =
-      (static_cast<std::size_t>(std::max(m.width_px, 0)) + 2 * vector_floats - 1) / vector_floats * vector_floats;
-  const std::size_t plane = stride * static_cast<std::size_t>(std::max(m.height_px, 0));
-  if (m.width_px < 1 || m.height_px < 1 || plane > std::size_t(1) << 30)
+  if (!DeviceImages(geometry, true).fits())
     return fail(
         "images of " + std::to_string(m.width_px) + "x" + std::to_string(m.height_px) + " pixels cannot be rendered",
-        "measurement", "give 1 to 10^9 pixels");
+        "measurement", "give at least 1 pixel, and fewer than these");
   auto impl = std::make_unique<Impl>();
   impl->geometry = geometry;
   impl->shared = {geometry.planes.separation_mm,
@@ -97,10 +92,11 @@ Result<std::unique_ptr<ClosedFormDevice>> ClosedFormDevice::create(const Luminai
                   m.corner_mm().y(),
                   m.pixel_mm.x(),
                   m.pixel_mm.y(),
-                  m.width_px,
-                  m.height_px,
-                  static_cast<int>(stride),
-                  static_cast<int>(plane),
+                  1 / m.pixel_mm.x(),
+                  1 / m.pixel_mm.y(),
+                  0,
+                  0,
+                  0,
                   0,
                   0,
                   0,
@@ -140,9 +136,15 @@ Status ClosedFormDevice::Impl::take_receivers(const std::vector<ClosedFormReceiv
     return fail("has NaN or Inf", "receiver " + std::to_string(*bad), "give finite numbers");
   if (all.size() > std::size_t(1) << 30) return fail("more than 2^30 receivers", "receivers", "render in parts");
   shared.receivers = 0;  // until these are there
+  layout = DeviceImages(geometry, next_lod > 0);
+  shared.lod = next_lod;
+  shared.levels = static_cast<int>(layout.levels().size());
+  shared.plane = static_cast<int>(layout.plane_floats());
   if (auto room = make_room(receivers, all.size() * sizeof(ClosedFormReceiver), "receivers"); !room) return room;
+  if (auto room = make_room(levels, layout.levels().size_bytes(), "levels of detail"); !room) return room;
   if (auto room = make_room(sums, all.size() * channels() * sizeof(double), "sums of irradiance"); !room) return room;
   if (auto written = device->write(receivers, 0, bytes_of(all)); !written) return written;
+  if (auto written = device->write(levels, 0, std::as_bytes(layout.levels())); !written) return written;
   if (auto cleared = device->zero(sums); !cleared) return cleared;
   shared.receivers = static_cast<int>(all.size());
   return {};
@@ -168,18 +170,15 @@ Status ClosedFormDevice::set_receivers(std::span<const float> p_xyzw, std::span<
   return impl_->take_receivers(all);
 }
 
-/// Images with padded rows, and the table of cells.
+/// Images, and the table of cells.
 Status ClosedFormDevice::Impl::upload(std::span<const BatchCell> batch) {
   const std::size_t bytes = batch.size() * cell_bytes();
   if (auto room = make_room(images, bytes, "cell images"); !room) return room;
   std::vector<ClosedFormCell> table;
-  std::vector<float> padded(cell_bytes() / sizeof(float), 0.0f);
-  const std::size_t width = static_cast<std::size_t>(shared.width), stride = static_cast<std::size_t>(shared.stride);
+  std::vector<float> packed;
   for (std::size_t k = 0; k < batch.size(); ++k) {
-    const CellImage& image = *batch[k].image;
-    for (std::size_t row = 0; row < channels() * static_cast<std::size_t>(shared.height); ++row)
-      std::memcpy(padded.data() + row * stride, image.value.data() + row * width, width * sizeof(float));
-    if (auto written = device->write(images, k * cell_bytes(), bytes_of(padded)); !written) return written;
+    layout.pack(*batch[k].image, packed);
+    if (auto written = device->write(images, k * cell_bytes(), bytes_of(packed)); !written) return written;
     const Vec2 u = geometry.sampling.cell_center_mm(batch[k].index);
     table.push_back({u.x(), u.y(), batch[k].sign, static_cast<int>(k * channels()), 0});
   }
@@ -193,7 +192,8 @@ Status ClosedFormDevice::Impl::run(std::span<const BatchCell> batch) {
   kernel.set(1, receivers);
   kernel.set(2, cells);
   kernel.set(3, images);
-  kernel.set(4, sums);
+  kernel.set(4, levels);
+  kernel.set(5, sums);
   for (std::size_t begin = 0, end = 0; begin < batch.size(); begin = end) {
     while (end < batch.size() && batch[end].index.row == batch[begin].index.row) ++end;
     shared.first_cell = static_cast<int>(begin);

@@ -8,14 +8,21 @@ typedef struct ClosedFormGeometry {
   double separation;            ///< δ
   double spacing_x, spacing_y;  ///< a
   double corner_x, corner_y;    ///< edge of pixel (0, 0) on S
-  double pixel_x, pixel_y;
-  int width, height;  ///< pixels of an image
-  int stride;         ///< floats from row to row; what follows a row's pixels is 0 for at least one vector
-  int plane;          ///< floats from channel to channel
+  double pixel_x, pixel_y, pixels_per_mm_x, pixels_per_mm_y;
+  double lod;  ///< pixels per support and axis
+  int levels;  ///< of an image, 1 where all is exact
+  int plane;   ///< floats from channel to channel, all levels of one after the other
   int receivers;
   int first_cell, cells;  ///< of the table, in this run
   int reserved;
 } ClosedFormGeometry;
+
+/// One level of detail of the images.
+typedef struct ClosedFormLevel {
+  int width, height;
+  int stride;  ///< floats from row to row; what follows a row's pixels is 0 for at least one vector
+  int offset;  ///< floats from the begin of the channel
+} ClosedFormLevel;
 
 typedef struct ClosedFormReceiver {
   double p_x, p_y, p_z, n_x, n_y, n_z;
@@ -31,8 +38,9 @@ typedef struct ClosedFormCell {
 #ifndef __OPENCL_C_VERSION__
 #include <cstddef>
 static_assert(sizeof(double) == 8 && sizeof(int) == 4);
-static_assert(sizeof(ClosedFormGeometry) == 88 && offsetof(ClosedFormGeometry, corner_x) == 24 &&
-              offsetof(ClosedFormGeometry, width) == 56 && offsetof(ClosedFormGeometry, cells) == 80);
+static_assert(sizeof(ClosedFormGeometry) == 104 && offsetof(ClosedFormGeometry, corner_x) == 24 &&
+              offsetof(ClosedFormGeometry, levels) == 80 && offsetof(ClosedFormGeometry, cells) == 96);
+static_assert(sizeof(ClosedFormLevel) == 16 && offsetof(ClosedFormLevel, offset) == 12);
 static_assert(sizeof(ClosedFormReceiver) == 48 && offsetof(ClosedFormReceiver, n_z) == 40);
 static_assert(sizeof(ClosedFormCell) == 32 && offsetof(ClosedFormCell, sign) == 16 &&
               offsetof(ClosedFormCell, image) == 24);

@@ -32,7 +32,7 @@ TEST(OpenClDevice, StructsAreLaidOutAsOnTheHost) {
   if (!device) GTEST_SKIP() << device.error().message();
   auto kernel = (*device)->build("closed_form", "", "closed_form_layout");
   ASSERT_TRUE(kernel) << kernel.error().message();
-  std::vector<int> layout(9);
+  std::vector<int> layout(11);
   auto buffer = (*device)->allocate(layout.size() * sizeof(int), "the layout");
   ASSERT_TRUE(buffer);
   kernel->set(0, *buffer);
@@ -40,9 +40,10 @@ TEST(OpenClDevice, StructsAreLaidOutAsOnTheHost) {
   ASSERT_TRUE((*device)->read(*buffer, std::as_writable_bytes(std::span(layout))));
   EXPECT_EQ(layout,
             (std::vector<int>{sizeof(ClosedFormGeometry), offsetof(ClosedFormGeometry, corner_x),
-                              offsetof(ClosedFormGeometry, width), offsetof(ClosedFormGeometry, cells),
+                              offsetof(ClosedFormGeometry, levels), offsetof(ClosedFormGeometry, cells),
                               sizeof(ClosedFormReceiver), offsetof(ClosedFormReceiver, n_z), sizeof(ClosedFormCell),
-                              offsetof(ClosedFormCell, sign), offsetof(ClosedFormCell, image)}));
+                              offsetof(ClosedFormCell, sign), offsetof(ClosedFormCell, image), sizeof(ClosedFormLevel),
+                              offsetof(ClosedFormLevel, offset)}));
 }
 
 TEST(OpenClDevice, ProbeNamesTheDevice) {
