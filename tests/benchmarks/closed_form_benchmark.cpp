@@ -1,5 +1,5 @@
-// Kernel time of the closed form: one cell against all 63, one and three channels. Not a test: run it alone on the
-// machine.
+// Kernel time of the closed form: one cell against all 63, and levels of detail against exact with their error on a
+// smooth luminaire, one and three channels. Not a test: run it alone on the machine.
 //
 //   closed_form_benchmark [width height [repeats]]
 
@@ -38,9 +38,74 @@ std::vector<Receiver> wavy_floor(int width, int height) {
   return receivers;
 }
 
-bool measure(int width, int height, int repeats, std::vector<std::string> channels) {
+/// Every cell's image is the sum of 60 round blobs, seeded: smooth, as a lamp's beam is.
+std::vector<CellImage> smooth_images(const LuminaireGeometry& geometry) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(0, 300), width(6, 40), height(0, 1);
+  const int channels = static_cast<int>(geometry.channels.size());
+  std::vector<CellImage> images;
+  for (int flat = 0; flat < geometry.sampling.cells(); ++flat) {
+    CellImage image{300, 300, channels, std::vector<float>(90000 * static_cast<std::size_t>(channels)), {}, {}};
+    for (int blob = 0; blob < 60; ++blob) {
+      const double x = place(random), y = place(random), w = width(random), h = height(random);
+      std::vector<double> across, down;  // a Gaussian is a product
+      for (int i = 0; i < 300; ++i) {
+        across.push_back(std::exp(-0.5 * std::pow((i + 0.5 - x) / w, 2)));
+        down.push_back(h * std::exp(-0.5 * std::pow((i + 0.5 - y) / w, 2)));
+      }
+      for (std::size_t k = 0; k < image.value.size(); ++k)
+        image.value[k] += static_cast<float>(across[k % 300] * down[k / 300 % 300]);
+    }
+    images.push_back(std::move(image));
+  }
+  return images;
+}
+
+/// A luminaire's cells on the device.
+struct Bench {
+  std::unique_ptr<ClosedFormDevice> device;
+  std::vector<CellIndex> indices;
+  std::vector<CellImage> images;
+  std::vector<const CellImage*> pointers;
+};
+
+struct Times {
+  double one_s = HUGE_VAL, one_with_upload_s = HUGE_VAL, all_s = HUGE_VAL;
+};
+
+/// The least of the repeats, which other work disturbs least, after one run that pays for compilation.
+bool measure(Bench& bench, const std::vector<Receiver>& receivers, double lod, int repeats, Times& times,
+             std::vector<double>& irradiance) {
+  ClosedFormDevice& device = *bench.device;
+  if (!device.set_lod(lod)) return false;
+  for (int k = 0; k <= repeats; ++k) {
+    if (!device.set_receivers(receivers) || !device.add_cells(bench.indices, bench.pointers)) return false;
+    if (k > 0) times.all_s = std::min(times.all_s, device.last_kernel_s());
+    if (k == 0 && !device.read(irradiance)) return false;
+    for (int again = 0; again < 8; ++again) {
+      const auto before = std::chrono::steady_clock::now();
+      if (!device.add_cell(bench.indices[31], bench.images[31])) return false;
+      const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - before;
+      times.one_with_upload_s = std::min(times.one_with_upload_s, wall.count());
+      times.one_s = std::min(times.one_s, device.last_kernel_s());
+    }
+  }
+  return true;
+}
+
+/// RMS of the error over the mean of the reference.
+double relative_rmse(const std::vector<double>& values, const std::vector<double>& reference) {
+  double squares = 0, mean = 0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    squares += (values[k] - reference[k]) * (values[k] - reference[k]);
+    mean += reference[k];
+  }
+  const auto count = static_cast<double>(values.size());
+  return std::sqrt(squares / count) / (mean / count);
+}
+
+bool report(int width, int height, int repeats, std::vector<std::string> channels) {
   const LuminaireGeometry geometry = bike_light(std::move(channels));
-  const int count = static_cast<int>(geometry.channels.size());
   const auto begin = std::chrono::steady_clock::now();
   auto device = ClosedFormDevice::create(geometry);
   const std::chrono::duration<double> start_up = std::chrono::steady_clock::now() - begin;
@@ -48,39 +113,27 @@ bool measure(int width, int height, int repeats, std::vector<std::string> channe
     std::fprintf(stderr, "%s\n", device.error().message().c_str());
     return false;
   }
-  std::mt19937 random(1);
-  std::uniform_real_distribution<float> value(0, 1);
-  std::vector<CellImage> images;
-  std::vector<CellIndex> indices;
-  std::vector<const CellImage*> pointers;
-  for (int flat = 0; flat < geometry.sampling.cells(); ++flat) {
-    CellImage image{300, 300, count, std::vector<float>(90000 * static_cast<std::size_t>(count)), {}, {}};
-    for (float& v : image.value) v = value(random);
-    images.push_back(std::move(image));
-    indices.push_back(geometry.sampling.index(flat));
-  }
-  for (const CellImage& image : images) pointers.push_back(&image);
+  Bench bench{std::move(*device), {}, smooth_images(geometry), {}};
+  for (int flat = 0; flat < geometry.sampling.cells(); ++flat) bench.indices.push_back(geometry.sampling.index(flat));
+  for (const CellImage& image : bench.images) bench.pointers.push_back(&image);
+  std::printf("%s, %dx%d receivers, %d channel(s), start %.2f s\n", bench.device->device_name().c_str(), width, height,
+              static_cast<int>(geometry.channels.size()), start_up.count());
 
-  // The least of the repeats, which other work disturbs least, after one run that pays for compilation.
-  std::vector<double> one, all, wall;
   const std::vector<Receiver> receivers = wavy_floor(width, height);
-  for (int k = 0; k <= repeats; ++k) {
-    if (!(*device)->set_receivers(receivers) || !(*device)->add_cells(indices, pointers)) return false;
-    if (k > 0) all.push_back((*device)->last_kernel_s());
-    for (int again = 0; again < 8; ++again) {
-      const auto before = std::chrono::steady_clock::now();
-      if (!(*device)->add_cell(indices[31], images[31])) return false;
-      wall.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count());
-      one.push_back((*device)->last_kernel_s());
-    }
+  Times exact;
+  std::vector<double> reference;
+  if (!measure(bench, receivers, 0, repeats, exact, reference)) return false;
+  std::printf("  exact: one cell %.1f ms (with upload %.1f), 63 cells %.0f ms, ratio 1/%.1f\n", 1e3 * exact.one_s,
+              1e3 * exact.one_with_upload_s, 1e3 * exact.all_s, exact.all_s / exact.one_s);
+  for (const double lod : {8.0, 4.0}) {
+    Times times;
+    std::vector<double> irradiance;
+    if (!measure(bench, receivers, lod, repeats, times, irradiance)) return false;
+    std::printf(
+        "  T = %.0f: one cell %.1f ms (with upload %.1f), 63 cells %.0f ms, %.2f of exact, relative RMSE %.2f %%\n",
+        lod, 1e3 * times.one_s, 1e3 * times.one_with_upload_s, 1e3 * times.all_s, times.all_s / exact.all_s,
+        100 * relative_rmse(irradiance, reference));
   }
-  const auto least = [](const std::vector<double>& v) { return *std::min_element(v.begin(), v.end()); };
-  const double t_one = least(one), t_all = least(all);
-  std::printf(
-      "%s, %dx%d receivers, %d channel(s): one cell %.1f ms (with upload %.1f), 63 cells %.0f ms, ratio 1/%.1f, start "
-      "%.2f s\n",
-      (*device)->device_name().c_str(), width, height, count, 1e3 * t_one, 1e3 * least(wall), 1e3 * t_all,
-      t_all / t_one, start_up.count());
   return true;
 }
 
@@ -91,8 +144,7 @@ int main(int argc, char** argv) {
   const int width = argc > 2 ? std::atoi(argv[1]) : 1024, height = argc > 2 ? std::atoi(argv[2]) : 768;
   const int repeats = argc > 3 ? std::atoi(argv[3]) : 3;
   if (width < 1 || height < 1 || repeats < 1) return 2;
-  return lumifield::measure(width, height, repeats, {"Y"}) &&
-                 lumifield::measure(width, height, repeats, {"R", "G", "B"})
+  return lumifield::report(width, height, repeats, {"Y"}) && lumifield::report(width, height, repeats, {"R", "G", "B"})
              ? 0
              : 1;
 }
