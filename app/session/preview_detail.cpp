@@ -9,6 +9,10 @@ namespace {
 constexpr std::array divisors{1, 2, 3, 4, 6, 8, 12, 16};
 constexpr double coarse_lod = 4;
 
+/// Seconds that cells may be waited for, and as many as are added one by one all the same.
+constexpr double long_backlog_s = 0.4;
+constexpr int few_cells = 3;
+
 /// Half the old, half the new: a lone disturbance does not count for long.
 void learn(double& rate, double seconds, double amount) {
   if (amount > 0) rate = (rate + seconds / amount) / 2;
@@ -43,6 +47,10 @@ PreviewDetail PreviewCosts::finest_within(double seconds, double full_pixels, in
   if (!before.full() && takes(before.divisor) <= 1.2 * seconds && takes(before.divisor) >= 0.4 * seconds) return before;
   const auto fits = std::ranges::find_if(divisors, [&](int divisor) { return takes(divisor) <= seconds; });
   return {fits == divisors.end() ? divisors.back() : *fits, coarse_lod};
+}
+
+bool shows_coarsely_first(int waiting, int cells, double cell_s) {
+  return waiting > few_cells && 2 * waiting >= cells && waiting * cell_s > long_backlog_s;
 }
 
 }  // namespace lumifield

@@ -36,4 +36,8 @@ class PreviewCosts {
   const Rates& of(PreviewDetail detail) const { return rates_[detail.full() ? 1 : 0]; }
 };
 
+/// Whether cells that wait for a full picture are to be shown coarsely first. That costs the full one all its cells
+/// again, so they must be many: as from a dataset that is opened, not from a scan on a slow machine.
+bool shows_coarsely_first(int waiting, int cells, double cell_s);
+
 }  // namespace lumifield

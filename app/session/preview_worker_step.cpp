@@ -12,8 +12,6 @@ using Clock = PreviewWorker::Clock;
 
 /// A full picture that takes no longer needs no coarse one before it.
 constexpr double short_wait_s = 0.15;
-/// Cells whose summing takes longer are shown coarsely first.
-constexpr double long_backlog_s = 0.4;
 /// Cells that come in one go and send a full picture back to a coarse one.
 constexpr int many_cells = 8;
 /// While many cells come, a picture that grows is shown this often.
@@ -94,7 +92,8 @@ PreviewDetail PreviewWorker::resting_detail(Clock::time_point now) const {
                                                     static_cast<int>(cells_.size()), *drawn_);
   if (drawn_->full()) {
     const bool behind =
-        caught_up() ? waiting * costs_.cell_s({}, view_.pixels()) > long_backlog_s : burst_ >= many_cells;
+        caught_up() ? shows_coarsely_first(waiting, static_cast<int>(cells_.size()), costs_.cell_s({}, view_.pixels()))
+                    : burst_ >= many_cells;
     return behind ? coarse : *drawn_;
   }
   if (waiting > 0 || dirty_) return *drawn_;
