@@ -5,6 +5,7 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -44,6 +45,16 @@ CLI::Validator picture_file() {
   };
   return {fault, "FILE.exr|FILE.png"};
 }
+CLI::Validator level_of_detail() {
+  const auto fault = [](const std::string& text) {
+    double pixels = 0;
+    const char* end = text.data() + text.size();
+    const auto [after, wrong] = std::from_chars(text.data(), end, pixels);
+    const bool good = wrong == std::errc() && after == end && std::isfinite(pixels) && pixels >= 0;
+    return good ? std::string() : "'" + text + "' is not a number of pixels; give 0 (exact) or more";
+  };
+  return {fault, "PIXELS"};
+}
 CLI::Validator method_name() { return CLI::IsMember({"closed-form"}); }
 
 CLI::Validator dataset_folder() {
@@ -72,11 +83,18 @@ void add_scan(CLI::App& app, ScanOptions& o) {
   scan->add_flag("--json", o.json, "Print the summary as one JSON object");
 }
 
+void add_lod(CLI::App& app, double& lod) {
+  app.add_option("--lod", lod, "Level of detail: pixels of an image per support of a cell and axis; 0 is exact")
+      ->check(level_of_detail())
+      ->capture_default_str();
+}
+
 void add_render(CLI::App& app, RenderOptions& o) {
   CLI::App* render = app.add_subcommand("render", "Render one picture of a scene lit by a luminaire");
   render->add_option("--luminaire", o.luminaire, "Dataset folder")->required();
   render->add_option("--scene", o.scene, "Scene file")->required();
   render->add_option("--method", o.method, "How the light is computed")->check(method_name())->capture_default_str();
+  add_lod(*render, o.lod);
   render->add_option("--size", o.size, "Picture size")->check(picture_size())->capture_default_str();
   render->add_option("--exposure", o.exposure, "Exposure of the tone curve (PNG)")
       ->check(CLI::PositiveNumber)
@@ -98,6 +116,7 @@ void add_probe(CLI::App& app, ProbeOptions& o) {
   probe->add_option("--device", o.device, "host (double precision) or opencl")
       ->check(CLI::IsMember({"host", "opencl"}))
       ->capture_default_str();
+  add_lod(*probe, o.lod);
   probe
       ->add_option("--out", o.out,
                    "CSV to write: the same points with a column E_<channel> each; a file of that name is replaced")

@@ -26,12 +26,14 @@ int run_scan(const ScanOptions& options);
 struct RenderOptions {
   std::string luminaire, scene, method = "closed-form", size = "1024x768", out;
   double exposure = default_exposure, white = 0;
+  double lod = 0;  ///< pixels per support and axis, 0 exact
   bool json = false;
 };
 int run_render(const RenderOptions& options);
 
 struct ProbeOptions {
   std::string luminaire, points, method = "closed-form", device = "host", out;
+  double lod = 0;  ///< pixels per support and axis, 0 exact
   bool json = false;
 };
 int run_probe(const ProbeOptions& options);

@@ -12,8 +12,8 @@ namespace lumifield {
 
 namespace {
 
-Result<std::vector<double>> probe_host(const LightField& light_field, const std::vector<Receiver>& points) {
-  const ClosedForm closed_form(light_field);
+Result<std::vector<double>> probe_host(const LightField& light_field, const std::vector<Receiver>& points, double lod) {
+  const ClosedForm closed_form(light_field, lod);
   std::vector<double> irradiance;
   for (const Receiver& point : points) {
     const std::vector<double> e = closed_form.irradiance(point);
@@ -22,9 +22,11 @@ Result<std::vector<double>> probe_host(const LightField& light_field, const std:
   return irradiance;
 }
 
-Result<std::vector<double>> probe_opencl_device(const LightField& light_field, const std::vector<Receiver>& points) {
+Result<std::vector<double>> probe_opencl_device(const LightField& light_field, const std::vector<Receiver>& points,
+                                                double lod) {
   auto device = ClosedFormDevice::create(light_field.geometry());
   if (!device) return tl::unexpected(device.error());
+  if (Status detailed = (*device)->set_lod(lod); !detailed) return tl::unexpected(detailed.error());
   if (Status set = (*device)->set_receivers(points); !set) return tl::unexpected(set.error());
   const Sampling& sampling = light_field.geometry().sampling;
   for (int k = 0; k < sampling.cells(); ++k)
@@ -47,18 +49,23 @@ Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
                  coverage.total - coverage.measured, coverage.total);
 
   const auto start = std::chrono::steady_clock::now();
-  auto irradiance = options.device == "opencl" ? probe_opencl_device(dataset->light_field, *points)
-                                               : probe_host(dataset->light_field, *points);
+  auto irradiance = options.device == "opencl" ? probe_opencl_device(dataset->light_field, *points, options.lod)
+                                               : probe_host(dataset->light_field, *points, options.lod);
   if (!irradiance) return tl::unexpected(irradiance.error());
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   const LuminaireGeometry& geometry = dataset->light_field.geometry();
   if (Status written = write_points_csv(options.out, *points, geometry.channels, *irradiance); !written)
     return tl::unexpected(written.error());
-  return nlohmann::ordered_json{{"points", points->size()},   {"method", options.method},
-                                {"device", options.device},   {"unit", irradiance_unit_of(geometry.quantity)},
-                                {"cells", coverage.measured}, {"cells_total", coverage.total},
-                                {"time_s", seconds},          {"out", options.out}};
+  return nlohmann::ordered_json{{"points", points->size()},
+                                {"method", options.method},
+                                {"device", options.device},
+                                {"lod", options.lod},
+                                {"unit", irradiance_unit_of(geometry.quantity)},
+                                {"cells", coverage.measured},
+                                {"cells_total", coverage.total},
+                                {"time_s", seconds},
+                                {"out", options.out}};
 }
 
 }  // namespace

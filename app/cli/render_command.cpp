@@ -30,6 +30,8 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
 
   auto renderer = Renderer::create(*scene, size->first, size->second);
   if (!renderer) return tl::unexpected(renderer.error());
+  if (Status viewed = (*renderer)->set_view(scene->camera, size->first, size->second, options.lod); !viewed)
+    return tl::unexpected(viewed.error());
   const auto start = std::chrono::steady_clock::now();
   if (Status set = (*renderer)->set_luminaire(dataset->light_field.geometry()); !set)
     return tl::unexpected(set.error());
@@ -43,6 +45,7 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   const RendererInfo info = (*renderer)->info();
   return nlohmann::ordered_json{{"out", options.out},
                                 {"method", options.method},
+                                {"lod", options.lod},
                                 {"width_px", size->first},
                                 {"height_px", size->second},
                                 {"cells", coverage.measured},
