@@ -66,42 +66,35 @@ INLINE CellAxes axes_of(const ClosedFormGeometry* geometry, const ReceiverView* 
   return cell_axes(&view->axes, u, corner, (double2)(view->level.width, view->level.height));
 }
 
-// Adds the cells that are above the horizon, and tells whether it cuts others. The weights of rows are shared by the cells
-// of a row of the grid.
-INLINE int add_whole(const ClosedFormGeometry* geometry, const ReceiverView* view, __global const ClosedFormCell* cells,
-                     __global const float* images, int m, int end, RowWeights* wy, double row_u, double8* sum) {
+// Adds a cell that is above the horizon, and tells whether it is cut instead. The weights of rows are shared by the cells
+// of a row of the grid, at row_u; those of 16 rows from row_start on are in wy.
+INLINE int add_whole(const ClosedFormGeometry* geometry, const ReceiverView* view, const ClosedFormCell cell,
+                     __global const float* images, RowWeights* wy, double* row_u, int* row_start, double8* sum) {
   const int stride = view->level.stride, plane = geometry->plane;
-  int cut = 0, row_start = 0;
-  for (; m < end; ++m) {
-    const ClosedFormCell cell = cells[m];
-    const double k = above_center(view, cell.u_x, cell.u_y);
-    if (k - view->span < 0) {
-      cut |= k + view->span > 0;
-      continue;
-    }
-    const CellAxes seen = axes_of(geometry, view, (double2)(cell.u_x, cell.u_y));
-    if (seen.count.x <= 0 || seen.count.y <= 0) continue;
-    if (cell.u_y != row_u) row_start = -1;
-    row_u = cell.u_y;
-    const Columns c = {{images + (size_t)cell.image * plane + (size_t)seen.first.y * stride + seen.first.x}};
-    const float sign = (float)cell.sign;
-    const ColumnHorizon g = {sign * (float)(k - view->span), sign * (float)fabs(view->slope_x),
-                             sign * (float)fabs(view->slope_y)};
-    for (int j = 0; j < seen.count.y; j += BLOCK) {
-      if (j != row_start) row_weights(&view->axes, &seen, row_start = j, view->slope_y >= 0, wy);
-      const int rows = min(BLOCK, seen.count.y - j);
-      for (int i = 0; i < seen.count.x; i += BLOCK) {
-        const Knots knots = knots_of_one(seen.whole_x, seen.part_x, i);
-        const Weights wx =
-            weights(&knots, view->axes.unit.x, view->axes.scale.x, view->axes.per_scale.x, view->slope_x >= 0);
-        for (int channel = 0; channel < CHANNELS; ++channel) {
-          const float16 part = column_sums(&c, 1, j * stride + i + channel * plane, stride, rows, &wx, wy, &g);
-          sum[channel] += convert_double8(part.lo + part.hi);
-        }
+  const double k = above_center(view, cell.u_x, cell.u_y);
+  if (k - view->span < 0) return k + view->span > 0;
+  const CellAxes seen = axes_of(geometry, view, (double2)(cell.u_x, cell.u_y));
+  if (seen.count.x <= 0 || seen.count.y <= 0) return 0;
+  if (cell.u_y != *row_u) *row_start = -1;
+  *row_u = cell.u_y;
+  const Columns c = {{images + (size_t)cell.image * plane + (size_t)seen.first.y * stride + seen.first.x}};
+  const float sign = (float)cell.sign;
+  const ColumnHorizon g = {sign * (float)(k - view->span), sign * (float)fabs(view->slope_x),
+                           sign * (float)fabs(view->slope_y)};
+  for (int j = 0; j < seen.count.y; j += BLOCK) {
+    if (j != *row_start) row_weights(&view->axes, &seen, *row_start = j, view->slope_y >= 0, wy);
+    const int rows = min(BLOCK, seen.count.y - j);
+    for (int i = 0; i < seen.count.x; i += BLOCK) {
+      const Knots knots = knots_of_one(seen.whole_x, seen.part_x, i);
+      const Weights wx =
+          weights(&knots, view->axes.unit.x, view->axes.scale.x, view->axes.per_scale.x, view->slope_x >= 0);
+      for (int channel = 0; channel < CHANNELS; ++channel) {
+        const float16 part = column_sums(&c, 1, j * stride + i + channel * plane, stride, rows, &wx, wy, &g);
+        sum[channel] += convert_double8(part.lo + part.hi);
       }
     }
   }
-  return cut;
+  return 0;
 }
 
 // Adds the cells that the horizon cuts.
@@ -160,8 +153,13 @@ __kernel void closed_form_add(const ClosedFormGeometry geometry, __global const 
   const int end = geometry.first_cell + geometry.cells;
   int m = geometry.first_cell;
   if (view.axes.level > 0) m = add_fours(&geometry, &view, cells, images, m, end, &wy, &row_u, sum);
-  if (add_whole(&geometry, &view, cells, images, m, end, &wy, row_u, sum))
-    add_cut(&geometry, &view, cells, images, m, end, &wy, sum);
+  // A cell by itself is no loop: what a compiler takes out of one costs as much as it would save.
+  int cut = 0, row_start = 0;
+  if (end - m == 1)
+    cut = add_whole(&geometry, &view, cells[m], images, &wy, &row_u, &row_start, sum);
+  else
+    for (int i = m; i < end; ++i) cut |= add_whole(&geometry, &view, cells[i], images, &wy, &row_u, &row_start, sum);
+  if (cut) add_cut(&geometry, &view, cells, images, m, end, &wy, sum);
   const double factor =
       separation * separation * geometry.spacing_x * geometry.spacing_y / (z * z * z) * view.axes.scale.x * view.axes.scale.y;
   for (int channel = 0; channel < CHANNELS; ++channel) {
