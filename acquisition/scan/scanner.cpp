@@ -77,8 +77,8 @@ Status Scanner::between_steps() {
   if (!control_) return {};
   if (control_->paused())
     if (Status status = pause(); !status) return status;
-  // Until the first dark set there is nothing to subtract from a cell.
-  while (dark_) {
+  // Until the first reading of the reference cell there is no dark set to subtract and no drift to record.
+  while (reference_read_) {
     const std::optional<CellIndex> cell = control_->next_retake();
     if (!cell) break;
     if (Status status = retake(*cell); !status) return status;
@@ -89,15 +89,15 @@ Status Scanner::between_steps() {
 }
 
 Status Scanner::pause() {
-  enter(ScanState::paused);
   {
     Stretch paused(clock_, timing_.paused_s);
+    enter(ScanState::paused);
     const double before_s = clock_.now_s();
     control_->wait_while_paused(end_.get_token());
     first_step_s_ += clock_.now_s() - before_s;
   }
   if (end_.stop_requested()) return stopped();
-  if (!dark_) return {};
+  if (!reference_read_) return {};
   return take(ReferenceStep{stage_target_mm(bench_, sampling_of(bench_, plan_).cell_center_mm(plan_.reference.cell)) +
                                 bench_.filter.passes.front().offset_mm,
                             progress_.cells_done - progress_.cells_before});
@@ -109,14 +109,21 @@ Status Scanner::retake(CellIndex cell) {
   const StageSpeed reported{stage_.info().rapid_mm_s, stage_.info().acceleration_mm_s2};
   time_left_.insert_step(step_times_s({step}, bench_, plan_, stage_speed(bench_.stage, reported)).front() -
                          plan_.warm_up_s);
-  ++progress_.cells_total;
+  const int cells_done = progress_.cells_done;
   if (Status status = take(step); !status) return status;
+  progress_.cells_done = cells_done;
   time_left_.step_done(clock_.now_s() - first_step_s_);
   return {};
 }
 
+void Scanner::work_on(std::string place, std::optional<CellIndex> cell) {
+  progress_.place = std::move(place);
+  progress_.cell = cell;
+}
+
 Status Scanner::take(const DarkStep& step) {
-  Result<Standing> dark = bracket_at(step.stage_mm, "dark set " + std::to_string(step.block + 1));
+  work_on("dark set " + std::to_string(step.block + 1));
+  Result<Standing> dark = bracket_at(step.stage_mm, progress_.place);
   if (!dark) return tl::unexpected(std::move(dark).error());
   enter(ScanState::delivering);
   dark_ = std::make_shared<const DarkSet>(DarkSet{std::move(dark->bracket), step.block});
@@ -125,18 +132,20 @@ Status Scanner::take(const DarkStep& step) {
 
 Status Scanner::take(const ReferenceStep& step) {
   const std::string place = "reference cell " + to_string(plan_.reference.cell);
+  work_on(place);
   Result<Standing> lit = bracket_at(step.stage_mm, place);
   if (!lit) return tl::unexpected(std::move(lit).error());
   Result<ReferenceReading> reading =
       drift_.read(lit->bracket, dark_->bracket, bench_.sensor.saturation_dn, step.cells_done);
   if (!reading) return fail_in(place, std::move(reading).error());
+  reference_read_ = true;
   enter(ScanState::delivering);
   sink_->reference(*reading);
   return {};
 }
 
 Status Scanner::take(const CellStep& step) {
-  progress_.cell = step.cell;
+  work_on("cell " + to_string(step.cell), step.cell);
   RawCell raw;
   raw.cell = step.cell;
   raw.passes.resize(step.pass_order.size());

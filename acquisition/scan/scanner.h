@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -17,9 +18,10 @@ namespace lumifield {
 
 struct ScanProgress {
   ScanState state = ScanState::idle;
-  int cells_done = 0, cells_total = 0;  ///< of the whole grid, and cells taken again
+  int cells_done = 0, cells_total = 0;  ///< of the whole grid; a cell taken again counts once
   int cells_before = 0;                 ///< of cells_done: there before this scan
-  CellIndex cell;                       ///< the one being worked on
+  std::optional<CellIndex> cell;        ///< the one being worked on; none at dark sets and at the reference
+  std::string place;                    ///< "cell (2, 3)", "dark set 1", "reference cell (3, 4)"
   double elapsed_s = 0, left_s = 0;
 };
 
@@ -95,6 +97,7 @@ class Scanner {
   Status between_steps();
   Status pause();
   Status retake(CellIndex cell);
+  void work_on(std::string place, std::optional<CellIndex> cell = {});
   Result<Standing> bracket_at(const Vec2& target_mm, const std::string& place);
   Result<Vec2> stand_at(const Vec2& target_mm, const std::string& place);
   Result<Bracket> expose_bracket(const Vec2& stage_mm, const std::string& place);
@@ -121,6 +124,7 @@ class Scanner {
   TimeLeft time_left_;
   double begin_s_ = 0, first_step_s_ = 0, warm_up_left_s_ = 0;
   std::shared_ptr<const DarkSet> dark_;
+  bool reference_read_ = false;
   ReferenceDrift drift_;
   ScanControl* control_ = nullptr;
   Vec2 stands_mm_{0, 0};  ///< read back last

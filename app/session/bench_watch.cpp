@@ -49,15 +49,19 @@ struct Kept {
 
 }  // namespace
 
-BenchWatch::BenchWatch(Bench bench, double exposure_s, std::shared_ptr<BenchView> view)
+BenchWatch::BenchWatch(std::optional<Bench> bench, double exposure_s, std::shared_ptr<BenchView> view,
+                       std::unique_ptr<BenchWatch> before)
     : bench_(std::move(bench)),
       exposure_s_(exposure_s),
       view_(std::move(view)),
+      before_(std::move(before)),
       thread_([this](std::stop_token stop) { run(stop); }) {}
 
 BenchWatch::~BenchWatch() = default;
 
 void BenchWatch::run(std::stop_token stop) {
+  before_.reset();
+  if (!bench_) return;
   Kept<Camera> camera;
   Kept<Stage> stage;
   const auto show_camera = [this](DeviceView now) { view_->set_camera(std::move(now)); };
@@ -66,22 +70,23 @@ void BenchWatch::run(std::stop_token stop) {
   std::condition_variable_any pause;
   while (!stop.stop_requested()) {
     const auto next = Clock::now() + picture_every;
-    if (stage.ready([this] { return open_stage(bench_.stage); }, show_stage)) {
+    if (stage.ready([this] { return open_stage(bench_->stage); }, show_stage)) {
       const Result<Vec2> position = guarded("stage", [&] { return stage.device->position(); });
       if (position)
         view_->set_stage_mm(*position);
       else
         stage.fail(position.error(), show_stage);
     }
-    if (!stop.stop_requested() && camera.ready([this] { return open_camera(bench_.camera); }, show_camera)) {
-      Result<RawImage> frame = guarded("camera", [&] { return camera.device->expose(exposure_s_); });
-      if (frame) {
+    if (!stop.stop_requested() && camera.ready([this] { return open_camera(bench_->camera); }, show_camera)) {
+      const Status shown = guarded("camera", [&]() -> Status {
+        Result<RawImage> frame = camera.device->expose(exposure_s_);
+        if (!frame) return tl::unexpected(frame.error());
         auto bracket = std::make_shared<Bracket>();
         bracket->push_back(std::move(*frame));
         view_->set_bracket(std::move(bracket), "live");
-      } else {
-        camera.fail(frame.error(), show_camera);
-      }
+        return {};
+      });
+      if (!shown) camera.fail(shown.error(), show_camera);
     }
     std::unique_lock lock(mutex);
     pause.wait_until(lock, stop, next, [] { return false; });

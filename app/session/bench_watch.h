@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "app/session/bench_view.h"
@@ -14,7 +15,9 @@ namespace lumifield {
 /// fails is shown as failed and tried again every two seconds. The devices are free once it is destroyed.
 class BenchWatch {
  public:
-  BenchWatch(Bench bench, double exposure_s, std::shared_ptr<BenchView> view);
+  /// Begins once `before` has let go of its devices, in the new thread. Without a bench that is all it does.
+  BenchWatch(std::optional<Bench> bench, double exposure_s, std::shared_ptr<BenchView> view,
+             std::unique_ptr<BenchWatch> before = nullptr);
   /// Joins: up to an exposure, and some seconds when the camera's link is lost.
   ~BenchWatch();
 
@@ -23,9 +26,10 @@ class BenchWatch {
  private:
   void run(std::stop_token stop);
 
-  const Bench bench_;
+  const std::optional<Bench> bench_;
   std::atomic<double> exposure_s_;
   const std::shared_ptr<BenchView> view_;
+  std::unique_ptr<BenchWatch> before_;
   std::jthread thread_;
 };
 

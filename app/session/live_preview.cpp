@@ -83,7 +83,8 @@ LivePreview::~LivePreview() = default;
 void LivePreview::set_scene(Scene scene) {
   impl_->command([&](PreviewCommands& commands) {
     commands.scene = std::move(scene);
-    commands.camera.reset();  // the scene's own counts until another comes
+    commands.camera.reset();  // the scene's own counts until another comes, at rest
+    commands.moving.reset();
   });
 }
 

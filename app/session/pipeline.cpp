@@ -30,7 +30,9 @@ class QueueSink : public ScanSink {
     pipeline_.events.push(reading);
   }
   void progress(const ScanProgress& progress) override {
-    is_final(progress.state) ? pipeline_.events.push(progress) : pipeline_.events.try_push(progress);
+    // Said once, and somebody waits for them.
+    const bool must_arrive = is_final(progress.state) || progress.state == ScanState::paused;
+    must_arrive ? pipeline_.events.push(progress) : pipeline_.events.try_push(progress);
   }
   void seen(const Bracket& bracket, const std::string& place, const Vec2& stage_mm) override {
     if (!view_) return;

@@ -41,6 +41,7 @@ void PreviewWorker::take_scene(const Scene& scene) {
   renderer_.reset();
   lit_ = false;
   drawn_.reset();
+  moving_ = false;
   view_.camera = scene.camera;
   view_changed_ = true;
   last_.reset();

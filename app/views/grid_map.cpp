@@ -34,7 +34,7 @@ GridMap::GridMap(const LuminaireModel& model, QWidget* parent) : QWidget(parent)
 }
 
 QSize GridMap::sizeHint() const { return {380, 320}; }
-QSize GridMap::minimumSizeHint() const { return {200, 150}; }
+QSize GridMap::minimumSizeHint() const { return {200, 125}; }
 
 void GridMap::forget() {
   figures_.forget();

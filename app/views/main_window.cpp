@@ -16,6 +16,7 @@
 #include <QStatusBar>
 #include <QToolButton>
 #include <QUrl>
+#include <array>
 
 #include "acquisition/scan/scan_rules.h"
 #include "app/views/bench_panel.h"
@@ -38,6 +39,10 @@ namespace {
 QString dataset_of(const QString& path) {
   const QFileInfo info(path);
   return info.fileName() == "luminaire.json" ? info.absolutePath() : path;
+}
+
+QString counted(int count, const QString& thing) {
+  return QString("%1 %2%3").arg(count).arg(thing, count == 1 ? "" : "s");
 }
 
 /// Those that come with the program: beside its sources, or installed.
@@ -69,7 +74,9 @@ MainWindow::MainWindow() {
 }
 
 MainWindow::~MainWindow() {
-  // The scan ends before the panels that listen to it.
+  // The scan ends before the panels that listen to it, and tells this window nothing any more.
+  workbench_->scan().disconnect(this);
+  workbench_->disconnect(this);
   workbench_.reset();
 }
 
@@ -111,16 +118,18 @@ QDockWidget* MainWindow::make_dock(const QString& title, const QString& name, QW
 void MainWindow::lay_out() {
   setCorner(Qt::BottomRightCorner, Qt::BottomDockWidgetArea);
   setCorner(Qt::BottomLeftCorner, Qt::BottomDockWidgetArea);
-  for (QDockWidget* dock : {grid_dock_, cell_dock_, bench_dock_, notices_dock_, scan_dock_}) {
+  // Never all of them below each other: the window would grow to hold them.
+  const std::array docks{grid_dock_, cell_dock_, bench_dock_, notices_dock_, scan_dock_};
+  for (QDockWidget* dock : docks) {
     dock->setFloating(false);
-    dock->show();
+    removeDockWidget(dock);
   }
-  for (QDockWidget* dock : {grid_dock_, cell_dock_, bench_dock_, notices_dock_})
-    addDockWidget(Qt::RightDockWidgetArea, dock);
   addDockWidget(Qt::BottomDockWidgetArea, scan_dock_);
+  addDockWidget(Qt::RightDockWidgetArea, grid_dock_);
   splitDockWidget(grid_dock_, cell_dock_, Qt::Vertical);
   tabifyDockWidget(cell_dock_, bench_dock_);
   tabifyDockWidget(bench_dock_, notices_dock_);
+  for (QDockWidget* dock : docks) dock->show();
   bench_dock_->raise();
   resizeDocks({grid_dock_, cell_dock_}, {420, 420}, Qt::Horizontal);
   resizeDocks({grid_dock_, bench_dock_}, {220, 480}, Qt::Vertical);
@@ -178,14 +187,20 @@ void MainWindow::join_cells() {
     show_state();
   });
   connect(&model, &LuminaireModel::cellChanged, this, &MainWindow::show_state);
-  connect(&model, &LuminaireModel::loaded, this, [this](const QString& folder) { recent_->add(folder); });
+  connect(&model, &LuminaireModel::loaded, this, [this, &model](const QString& folder) {
+    recent_->add(folder);
+    if (workbench_->scan().busy()) return;
+    ScanProgress progress;
+    progress.cells_done = model.measured();
+    progress.cells_total = model.total();
+    scan_->set_progress(progress);
+  });
   connect(grid_, &GridView::cellSelected, this, [this](CellIndex cell) {
     cell_->show_cell(cell);
     cell_dock_->show();
     cell_dock_->raise();
   });
-  connect(&grid_->map(), &GridMap::selectionChanged, this,
-          [this] { retake_->setEnabled(!grid_->map().retakable().empty()); });
+  connect(&grid_->map(), &GridMap::selectionChanged, this, &MainWindow::show_state);
   connect(grid_, &GridView::retakeRequested, workbench_.get(), &Workbench::retake);
 }
 
@@ -217,9 +232,9 @@ void MainWindow::join_scan() {
   });
   connect(workbench_.get(), &Workbench::noticed, notices_, &NoticesPanel::add);
   connect(notices_, &NoticesPanel::countsChanged, this, [this](int information, int warnings, int faults) {
-    notices_badge_->setText(faults     ? tr("%n fault(s)", "", faults)
-                            : warnings ? tr("%n warning(s)", "", warnings)
-                                       : tr("%n notice(s)", "", information));
+    notices_badge_->setText(faults     ? counted(faults, tr("fault"))
+                            : warnings ? counted(warnings, tr("warning"))
+                                       : counted(information, tr("notice")));
   });
   connect(workbench_.get(), &Workbench::noticed, this, [this](const OperatorNotice& notice) {
     if (notice.level == OperatorNotice::Level::fault) notices_dock_->raise();
@@ -248,6 +263,9 @@ void MainWindow::show_state() {
   const LuminaireModel& model = workbench_->model();
   const QString why_not = workbench_->why_not_start();
   scan_->set_startable(why_not.isEmpty(), why_not);
+  const QString why_not_again = workbench_->why_not_retake();
+  grid_->set_retake_possible(why_not_again.isEmpty(), why_not_again);
+  retake_->setEnabled(why_not_again.isEmpty() && !grid_->map().retakable().empty());
   const bool there = model.geometry() || workbench_->request();
   middle_->setCurrentWidget(there ? static_cast<QWidget*>(preview_) : start_page_);
   if (!model.geometry()) {

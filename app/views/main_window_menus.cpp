@@ -64,12 +64,11 @@ void MainWindow::make_view_menu() {
   view->addSeparator();
   int number = 1;
   for (QDockWidget* dock : {grid_dock_, cell_dock_, bench_dock_, notices_dock_, scan_dock_}) {
-    QAction* toggle = dock->toggleViewAction();
-    toggle->setShortcut(QKeySequence(Qt::ALT | static_cast<Qt::Key>(Qt::Key_0 + number++)));
-    connect(toggle, &QAction::triggered, dock, [dock](bool shown) {
-      if (shown) dock->raise();
-    });
-    view->addAction(toggle);
+    view->addAction(dock->windowTitle(), QKeySequence(Qt::ALT | static_cast<Qt::Key>(Qt::Key_0 + number++)), dock,
+                    [dock] {
+                      dock->show();
+                      dock->raise();
+                    });
   }
   view->addAction(tr("&Reset layout"), this, &MainWindow::lay_out);
   QMenu* themes = view->addMenu(tr("&Theme"));
@@ -93,17 +92,20 @@ void MainWindow::show_recent() {
 }
 
 void MainWindow::show_keys() {
-  QString rows;
+  QStringList keys;
   for (const QAction* action : findChildren<QAction*>())
     if (!action->shortcut().isEmpty())
-      rows += QString("<tr><td><b>%1</b>&nbsp;&nbsp;</td><td>%2</td></tr>")
+      keys << QString("<tr><td><b>%1</b>&nbsp;&nbsp;</td><td>%2</td></tr>")
                   .arg(action->shortcut().toString(QKeySequence::NativeText).toHtmlEscaped(),
                        action->text().remove('&').toHtmlEscaped());
-  rows +=
-      tr("<tr><td><b>drag, arrow keys</b></td><td>orbit the preview; with Shift, move it</td></tr>"
-         "<tr><td><b>wheel, + and −</b></td><td>zoom</td></tr>"
-         "<tr><td><b>arrow keys in the grid</b></td><td>choose a cell; Enter shows it</td></tr>");
-  QMessageBox(QMessageBox::NoIcon, tr("Keys"), "<table>" + rows + "</table>", QMessageBox::Close, this).exec();
+  keys.sort();
+  keys << tr(
+      "<tr><td><b>drag, arrow keys</b></td><td>orbit the preview; with Shift or the right button, move it; R: the "
+      "scene's own view</td></tr>"
+      "<tr><td><b>wheel, + and −</b></td><td>zoom</td></tr>"
+      "<tr><td><b>arrow keys in the grid</b></td><td>choose a cell; Enter shows it</td></tr>");
+  QMessageBox(QMessageBox::NoIcon, tr("Keys"), "<table>" + keys.join(QString()) + "</table>", QMessageBox::Close, this)
+      .exec();
 }
 
 }  // namespace lumifield

@@ -42,15 +42,14 @@ void ScanController::watch(const std::optional<Bench>& bench, double exposure_s)
 
 /// Watches the bench until the next scan. A watch that ends may wait for its camera: not on this thread.
 void ScanController::rest() {
-  if (watch_)
-    letting_go_ = std::jthread([old = std::move(watch_), before = std::move(letting_go_)]() mutable { old.reset(); });
-  if (watched_) watch_ = std::make_unique<BenchWatch>(*watched_, watch_exposure_s_, bench_view_);
+  watch_ = std::make_unique<BenchWatch>(watched_, watch_exposure_s_, bench_view_, std::move(watch_));
 }
 
 void ScanController::start(const ScanRequest& request) {
   if (busy()) return;
   set_activity(ScanActivity::starting);
   stop_early_ = false;
+  retake_early_.clear();
   progress_ = {};
   if (thread_.joinable()) thread_.join();  // it has ended
   ScanRequest mine = request;
@@ -75,6 +74,7 @@ void ScanController::run(ScanRequest request) {
     std::lock_guard lock(mutex_);
     session_ = std::move(*started);
     if (stop_early_) session.stop();
+    session.retake(std::exchange(retake_early_, {}));
   }
   emit sessionReady(session.geometry());
   QMetaObject::invokeMethod(this, [this, geometry = session.geometry(), dataset] {
@@ -114,7 +114,7 @@ void ScanController::finish(const Result<ScanSummary>& summary) {
   if (!summary) {
     const bool stopped = summary.error().kind == ErrorKind::stopped;
     const QString message =
-        stopped ? tr("Stopped. What is stored stays; Resume goes on where it ended.") : text(summary.error().message());
+        stopped ? tr("Stopped. What is stored stays; Start goes on where it ended.") : text(summary.error().message());
     emit noticed({stopped ? OperatorNotice::Level::information : OperatorNotice::Level::fault, message});
     emit ended(false, message);
     return;
@@ -151,7 +151,11 @@ void ScanController::stop() {
 }
 
 void ScanController::retake(const std::vector<CellIndex>& cells) {
-  with(mutex_, session_, [&](ScanSession& session) { session.retake(cells); });
+  std::lock_guard lock(mutex_);
+  if (session_)
+    session_->retake(cells);
+  else
+    retake_early_.insert(retake_early_.end(), cells.begin(), cells.end());
 }
 
 }  // namespace lumifield

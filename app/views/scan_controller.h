@@ -68,11 +68,11 @@ class ScanController : public QObject {
   std::optional<Bench> watched_;
   double watch_exposure_s_ = 0;
   std::unique_ptr<BenchWatch> watch_;
-  std::jthread letting_go_;  ///< of a watch that ended: its camera may take seconds
 
   std::mutex mutex_;                      ///< of session_
   std::unique_ptr<ScanSession> session_;  ///< null until it has started
   bool stop_early_ = false;               ///< stop was asked for before it had
+  std::vector<CellIndex> retake_early_;   ///< asked for before it had
   std::jthread thread_;
 };
 

@@ -75,11 +75,11 @@ QWidget* ScanControls::make_buttons() {
 QWidget* ScanControls::make_question() {
   auto* page = new QWidget(this);
   QHBoxLayout* row = tight_row(page);
-  auto* question = new QLabel("Stop? What is stored stays; the scan can be resumed.", page);
+  auto* question = new QLabel("Stop? What is stored stays; Start goes on later.", page);
   question->setWordWrap(true);
   question->setMinimumWidth(question->fontMetrics().horizontalAdvance("Stop? What is stored stays;"));
-  auto* yes = new QPushButton("Stop the scan", page);
-  keep_ = new QPushButton("Keep scanning", page);
+  auto* yes = new QPushButton("&Stop the scan", page);
+  keep_ = new QPushButton("&Keep scanning", page);
   yes->setToolTip("Halt the stage and end the scan");
   keep_->setToolTip("Go on as if nothing were pressed (Esc)");
   for (QPushButton* button : {yes, keep_}) button->setAccessibleDescription(question->text() + " " + button->toolTip());
@@ -126,6 +126,9 @@ void ScanControls::show_actions() {
 
 void ScanControls::keyPressEvent(QKeyEvent* event) {
   if (event->key() == Qt::Key_Escape && asks_to_stop()) return ask_to_stop(false);
+  auto* chosen = qobject_cast<QPushButton*>(focusWidget());
+  if (asks_to_stop() && chosen && (event->key() == Qt::Key_Return || event->key() == Qt::Key_Enter))
+    return chosen->click();
   QWidget::keyPressEvent(event);
 }
 

@@ -9,18 +9,18 @@ namespace lumifield {
 
 namespace {
 
-QString words(ScanState state, const QString& cell) {
+QString words(ScanState state, const QString& place) {
   switch (state) {
     case ScanState::homing:
       return "Homing the stage";
     case ScanState::moving:
-      return "Moving the stage, " + cell;
+      return "Moving the stage, " + place;
     case ScanState::settling:
-      return "Letting the stage settle, " + cell;
+      return "Letting the stage settle, " + place;
     case ScanState::exposing:
-      return "Exposing, " + cell;
+      return "Exposing, " + place;
     case ScanState::delivering:
-      return "Handing on " + cell;
+      return "Handing on " + place;
     case ScanState::parking:
       return "Parking the stage behind the opaque patch";
     case ScanState::done:
@@ -40,17 +40,17 @@ QString words(ScanState state, const QString& cell) {
 }  // namespace
 
 QString bench_words(ScanActivity activity, const ScanProgress& progress) {
-  const QString cell = "cell " + QString::fromStdString(to_string(progress.cell));
+  const QString place = QString::fromStdString(progress.place);
   switch (activity) {
     case ScanActivity::idle:
       return "No scan is running";
     case ScanActivity::starting:
       return progress.state == ScanState::idle ? "Starting: checking plan, bench and devices"
-                                               : words(progress.state, cell);
+                                               : words(progress.state, place);
     case ScanActivity::running:
-      return words(progress.state, cell);
+      return words(progress.state, place);
     case ScanActivity::pausing:
-      return "Pausing after this step: " + words(progress.state, cell);
+      return "Pausing after this step: " + words(progress.state, place);
     case ScanActivity::paused:
       return "Paused; the reference cell is read first when the scan goes on";
     case ScanActivity::stopping:

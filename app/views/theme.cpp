@@ -54,7 +54,7 @@ void apply(Theme theme) {
     QApplication::setPalette(palette_of({"#f2f2f0", "#ffffff", "#f7f7f5", "#1b1b1b", "#8a8a88", "#e6e6e3", "#2f6db5",
                                          "#ffffff", "#1f5fae"}));
   else if (theme == Theme::dark)
-    QApplication::setPalette(palette_of({"#2a2b2d", "#1e1f21", "#27282a", "#e6e6e4", "#85868a", "#3a3b3e", "#4d8ad0",
+    QApplication::setPalette(palette_of({"#2a2b2d", "#3b3d41", "#33353a", "#e6e6e4", "#85868a", "#3a3b3e", "#4d8ad0",
                                          "#ffffff", "#7fb2ec"}));
   else
     QApplication::setPalette(QPalette());

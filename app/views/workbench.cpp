@@ -17,6 +17,13 @@ double live_exposure_s(const Plan& plan) {
   return plan.exposures_s.empty() ? 0.01 : *std::ranges::max_element(plan.exposures_s);
 }
 
+/// One name for one folder, however it was written.
+std::filesystem::path whole_path(const std::filesystem::path& path) {
+  std::error_code unknown;
+  std::filesystem::path whole = std::filesystem::absolute(path, unknown).lexically_normal();
+  return whole.has_filename() ? whole : whole.parent_path();
+}
+
 }  // namespace
 
 Workbench::Workbench(LivePreview& preview, QObject* parent) : QObject(parent), preview_(preview) {
@@ -60,7 +67,7 @@ Workbench::Workbench(LivePreview& preview, QObject* parent) : QObject(parent), p
   connect(&scan_, &ScanController::progressed, this, [this](const ScanProgress& progress) {
     const bool at_a_cell = progress.state == ScanState::moving || progress.state == ScanState::settling ||
                            progress.state == ScanState::exposing;
-    model_.set_measuring(at_a_cell ? std::optional(progress.cell) : std::nullopt);
+    model_.set_measuring(at_a_cell ? progress.cell : std::nullopt);
   });
   connect(&scan_, &ScanController::ended, this, [this](bool, const QString&) {
     preview_.set_scan_running(false);
@@ -78,10 +85,19 @@ Workbench::~Workbench() = default;
 
 QString Workbench::why_not_start() const {
   if (scan_.busy()) return tr("A scan runs.");
+  if (model_.loading() && request_ && opening_ != request_->out) return tr("Another luminaire is being opened.");
   if (!request_) return tr("No bench: choose a bench file and a plan with New scan.");
   if (folder_ == request_->out && model_.geometry() && model_.measured() == model_.total())
     return tr("Every cell is measured. Select cells to take them again, or choose New scan.");
   return {};
+}
+
+QString Workbench::why_not_retake() const {
+  if (scan_.activity() == ScanActivity::stopping) return tr("The scan is stopping: wait for its end.");
+  if (scan_.busy() || (request_ && folder_ == request_->out && exists_)) return {};
+  return tr(
+      "Cells of this luminaire cannot be taken again without its bench: choose New scan with its bench, its plan "
+      "and its folder first.");
 }
 
 /// `read` runs in a thread of its own; what it returns runs here.
@@ -100,14 +116,15 @@ void Workbench::open(const std::filesystem::path& folder) {
     return;
   }
   when_loaded_.reset();
-  opening_ = folder;
-  model_.load(folder);
+  opening_ = whole_path(folder);
+  model_.load(opening_);
 }
 
 /// What is asked for is a dataset: now it is the one shown.
 void Workbench::take_opened() {
   folder_ = opening_;
   if (request_ && request_->out != folder_) {
+    when_loaded_.reset();
     request_.reset();
     scan_.watch(std::nullopt, 0);
   }
@@ -129,7 +146,7 @@ void Workbench::prepare(const std::filesystem::path& bench_file, const std::file
     ScanRequest request;
     request.bench = std::move(*bench);
     request.plan = std::move(*plan);
-    request.out = out.has_filename() ? out : out.parent_path();
+    request.out = whole_path(out);
     std::error_code unknown;
     const bool exists = std::filesystem::exists(request.out, unknown);
     if (unknown)
@@ -143,6 +160,7 @@ void Workbench::take_prepared(ScanRequest request, bool exists) {
     report(OperatorNotice::Level::warning, tr("A scan runs: stop it before preparing another."));
     return;
   }
+  when_loaded_.reset();
   request_ = std::move(request);
   exists_ = exists;
   scan_.watch(request_->bench, live_exposure_s(request_->plan));
@@ -168,6 +186,7 @@ void Workbench::start() {
 }
 
 void Workbench::begin(std::vector<CellIndex> retakes) {
+  if (!request_) return;
   if (model_.loading()) {
     when_loaded_ = std::move(retakes);
     return;
@@ -182,17 +201,14 @@ void Workbench::begin(std::vector<CellIndex> retakes) {
 
 void Workbench::retake(const std::vector<CellIndex>& cells) {
   if (cells.empty()) return;
-  if (scan_.busy()) {
-    scan_.retake(cells);
-  } else if (request_ && folder_ == request_->out && exists_) {
-    begin(cells);
-  } else {
-    report(
-        OperatorNotice::Level::warning,
-        tr("Cells of this luminaire cannot be taken again without its bench: choose New scan with its bench, its plan "
-           "and its folder, then select them again."));
+  if (const QString why_not = why_not_retake(); !why_not.isEmpty()) {
+    report(OperatorNotice::Level::warning, why_not);
     return;
   }
+  if (scan_.busy())
+    scan_.retake(cells);
+  else
+    begin(cells);
   waiting_.insert(cells.begin(), cells.end());
   model_.set_waiting(waiting_);
 }

@@ -32,6 +32,8 @@ class Workbench : public QObject {
   const std::optional<ScanRequest>& request() const { return request_; }
   /// Empty when a scan can start; else why not and what to do.
   QString why_not_start() const;
+  /// The same for taking cells again.
+  QString why_not_retake() const;
 
   /// Shows a dataset, whole or half. Not while a scan runs.
   void open(const std::filesystem::path& folder);

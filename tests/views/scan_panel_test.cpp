@@ -55,7 +55,9 @@ QStringList enabled(QWidget& panel) {
   return all;
 }
 
-ScanProgress progress_of(int done) { return {ScanState::exposing, done, 63, 0, {3, 4}, 4000, 205}; }
+ScanProgress progress_of(int done) {
+  return {ScanState::exposing, done, 63, 0, CellIndex{3, 4}, "cell (3, 4)", 4000, 205};
+}
 
 TEST(ScanPanel, SaysHowFarAndWhatAndWhenItEnds) {
   QDateTime now(QDate(2024, 5, 7), QTime(23, 58, 0));
@@ -128,14 +130,14 @@ TEST(ScanPanel, StopAsksFirstInThePanel) {
   press(panel, "Stop…");
   EXPECT_TRUE(panel.controls().asks_to_stop());
   EXPECT_EQ(stop.count(), 0);
-  press(panel, "Keep scanning");
+  press(panel, "&Keep scanning");
   EXPECT_FALSE(panel.controls().asks_to_stop());
   press(panel, "Stop…");
-  QTest::keyClick(button(panel, "Keep scanning"), Qt::Key_Escape);
+  QTest::keyClick(button(panel, "&Keep scanning"), Qt::Key_Escape);
   EXPECT_FALSE(panel.controls().asks_to_stop());
   EXPECT_EQ(stop.count(), 0);
   press(panel, "Stop…");
-  press(panel, "Stop the scan");
+  press(panel, "&Stop the scan");
   EXPECT_EQ(stop.count(), 1);
   EXPECT_FALSE(panel.controls().asks_to_stop());
 
@@ -169,6 +171,12 @@ TEST(ScanPanel, KeysDoWhatTheButtonsDo) {
   QTest::keyClick(panel.focusWidget(), Qt::Key_Space);  // on the answer that changes nothing
   EXPECT_FALSE(panel.controls().asks_to_stop());
   EXPECT_EQ(stop.count(), 0);
+  // Return answers as Space does.
+  QTest::keyClick(&panel, Qt::Key_F5, Qt::ShiftModifier);
+  QTest::keyClick(panel.focusWidget(), Qt::Key_Backtab, Qt::ShiftModifier);
+  QTest::keyClick(panel.focusWidget(), Qt::Key_Return);
+  EXPECT_FALSE(panel.controls().asks_to_stop());
+  EXPECT_EQ(stop.count(), 1);
 }
 
 TEST(ScanPanel, SaysHowTheScanEndedUntilTheNext) {
