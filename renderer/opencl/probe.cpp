@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -42,8 +43,8 @@ constexpr const char* remedy = "repair or remove this driver (PoCL needs /sys mo
   _exit(0);
 }
 
-/// All that comes through the pipe until it closes; empty when the deadline passes.
-std::string receive(int pipe) {
+/// All that comes through the pipe until it closes; nothing when the deadline passes.
+std::optional<std::string> receive(int pipe) {
   const auto end = std::chrono::steady_clock::now() + deadline;
   std::string text;
   while (true) {
@@ -51,7 +52,7 @@ std::string receive(int pipe) {
     pollfd ready{pipe, POLLIN, 0};
     const int polled = left.count() > 0 ? poll(&ready, 1, static_cast<int>(left.count())) : 0;
     if (polled < 0 && errno == EINTR) continue;
-    if (polled <= 0) return {};
+    if (polled <= 0) return std::nullopt;
     char part[4096];
     const ssize_t n = read(pipe, part, sizeof part);
     if (n < 0 && errno == EINTR) continue;
@@ -60,11 +61,15 @@ std::string receive(int pipe) {
   }
 }
 
-Result<std::string> understand(const std::string& text, int status) {
-  if (text.empty() || (text[0] != '+' && text[0] != '-')) {
-    if (WIFSIGNALED(status) && WTERMSIG(status) != SIGKILL)
-      return fail("the OpenCL driver ended with signal " + std::to_string(WTERMSIG(status)), "OpenCL", remedy);
+/// `answered` is nothing when the deadline passed, and empty when the child ended before it could answer.
+Result<std::string> understand(const std::optional<std::string>& answered, int status) {
+  if (!answered)
     return fail("the OpenCL driver did not answer within " + std::to_string(deadline.count()) + " s", "OpenCL", remedy);
+  const std::string& text = *answered;
+  if (text.empty()) {
+    const std::string how = WIFSIGNALED(status) ? "signal " + std::to_string(WTERMSIG(status))
+                                                : "exit status " + std::to_string(WEXITSTATUS(status));
+    return fail("the OpenCL driver ended with " + how, "OpenCL", remedy);
   }
   if (text[0] == '+') return text.substr(1);
   const std::size_t first = text.find('\0'), second = text.find('\0', first + 1);
@@ -82,7 +87,7 @@ Result<std::string> probe_in_child() {
   }
   if (child == 0) answer(ends[1]);
   close(ends[1]);
-  const std::string text = receive(ends[0]);
+  const std::optional<std::string> text = receive(ends[0]);
   close(ends[0]);
   kill(child, SIGKILL);
   int status = 0;

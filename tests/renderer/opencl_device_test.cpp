@@ -63,15 +63,11 @@ TEST(OpenClDevice, RefusesADeviceThatIsNotThere) {
   EXPECT_THAT(device.error().message(), HasSubstr("no such device"));
 }
 
-TEST(OpenClDevice, ADriverThatAbortsBecomesAnError) {
-  // A fresh process, since this one may know its driver already: the loader is given a driver that aborts when opened.
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("aborting-" + std::to_string(getpid()));
+TEST(OpenClDevice, ADriverThatEndsTheProgramBecomesAnError) {
+  // A fresh process, since this one may know its driver already: the loader is given a driver that ends it when opened.
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("ending-" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
-  std::ofstream(folder / "driver.c")
-      << "#include <stdlib.h>\n__attribute__((constructor)) void start(void) { abort(); }\n";
   const std::string library = (folder / "driver.so").string();
-  ASSERT_EQ(std::system(("cc -shared -fPIC -o " + library + " " + (folder / "driver.c").string()).c_str()), 0);
   std::ofstream(folder / "driver.icd") << library << "\n";
   const auto in_fresh_process = [&] {
     setenv("OCL_ICD_VENDORS", folder.c_str(), 1);
@@ -80,7 +76,12 @@ TEST(OpenClDevice, ADriverThatAbortsBecomesAnError) {
     std::exit(probed ? 0 : 3);
   };
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  EXPECT_EXIT(in_fresh_process(), testing::ExitedWithCode(3), "ended with signal 6");
+  for (const auto& [call, how] : {std::pair{"abort()", "ended with signal 6"}, {"_Exit(7)", "exit status 7"}}) {
+    std::ofstream(folder / "driver.c") << "#include <stdlib.h>\n__attribute__((constructor)) void start(void) { "
+                                       << call << "; }\n";
+    ASSERT_EQ(std::system(("cc -shared -fPIC -o " + library + " " + (folder / "driver.c").string()).c_str()), 0);
+    EXPECT_EXIT(in_fresh_process(), testing::ExitedWithCode(3), how);
+  }
   std::filesystem::remove_all(folder);
 }
 
