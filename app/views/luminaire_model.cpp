@@ -3,6 +3,8 @@
 #include <QStringList>
 #include <utility>
 
+#include "app/session/guarded.h"
+#include "app/session/preview_memory.h"
 #include "luminaire/neighbours.h"
 
 namespace lumifield {
@@ -113,8 +115,11 @@ void LuminaireModel::load(const std::filesystem::path& folder) {
         emit loadFailed(message);
       });
     };
-    const Result<DatasetIndex> index = read_dataset_index(folder);
+    const Result<DatasetIndex> index = guarded("opening", [&] { return read_dataset_index(folder); });
     if (!index) return give_up(index.error());
+    // Every cell's image is kept.
+    if (const Status fits = check_preview_memory(index->manifest.geometry, physical_memory_bytes()); !fits)
+      return give_up(fits.error());
     post([this, geometry = index->manifest.geometry, name = text(index->manifest.name)] {
       geometry_ = geometry;
       name_ = name;
@@ -127,7 +132,7 @@ void LuminaireModel::load(const std::filesystem::path& folder) {
     QStringList notes = texts(index->notes);
     for (const CellEntry& entry : index->manifest.cells) {
       if (stop.stop_requested()) return;
-      Result<CellImage> image = read_cell(*index, entry);
+      Result<CellImage> image = guarded("opening", [&] { return read_cell(*index, entry); });
       if (!image) {
         notes << text(image.error().message());
         continue;

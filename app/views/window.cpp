@@ -20,8 +20,10 @@ constexpr const char* no_display =
     "lumifield scan (see lumifield --help)";
 
 /// Qt ends the program with a core dump where a display does not answer: this says what to do instead.
+bool opened = false;
+
 void tell(QtMsgType type, const QMessageLogContext&, const QString& message) {
-  if (type == QtFatalMsg) {
+  if (type == QtFatalMsg && !opened) {
     std::fprintf(stderr, "%s\nlumifield: Qt says: %s\n", no_display, qPrintable(message));
     _exit(1);
   }
@@ -66,6 +68,7 @@ int run_window(int argc, char** argv, const WindowOptions& options) {
 
   MainWindow window;
   window.show();
+  opened = true;
   const CloseOnSignal closer(window);
   if (!options.scene.empty()) window.show_scene(text(options.scene));
   if (!options.luminaire.empty()) window.open(text(options.luminaire));

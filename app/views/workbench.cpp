@@ -4,6 +4,8 @@
 #include <system_error>
 #include <utility>
 
+#include "app/session/preview_memory.h"
+#include "calibration/develop.h"
 #include "luminaire/plan.h"
 
 namespace lumifield {
@@ -143,6 +145,9 @@ void Workbench::prepare(const std::filesystem::path& bench_file, const std::file
     auto plan = read_plan(plan_file);
     if (!plan) return refuse(plan.error());
     if (const auto steps = make_scan_plan(*bench, *plan); !steps) return refuse(steps.error());
+    // The window keeps every cell's image.
+    if (const Status fits = check_preview_memory(luminaire_geometry(*bench, *plan), physical_memory_bytes()); !fits)
+      return refuse(fits.error());
     ScanRequest request;
     request.bench = std::move(*bench);
     request.plan = std::move(*plan);
