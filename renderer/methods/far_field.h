@@ -1,0 +1,58 @@
+#pragma once
+
+#include <vector>
+
+#include "renderer/methods/host_method.h"
+#include "renderer/methods/receiver_view.h"
+
+namespace lumifield {
+
+/// The luminaire as seen from infinity, as a table over q = δ (ω_x, ω_y)/ω_z, the displacement from U to S along ω:
+///
+///     T(q) = Σ_m ∫ C_m(u + q) Φ_m(u) du,   I(ω) = δ²/cos³θ T(q)   [L·mm²]
+///
+/// Exact at the table's points, one pixel of S apart; bilinear between. Value type, immutable.
+class FarFieldTable {
+ public:
+  explicit FarFieldTable(const LightField& light_field);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  const Vec2& first_q_mm() const { return first_q_mm_; }  ///< of entry (0, 0)
+  /// Channel by channel, row by row.
+  const std::vector<double>& values() const { return values_; }
+  /// T; 0 beyond the table, where no light goes.
+  double at(int channel, const Vec2& q_mm) const;
+  /// Of `at`, by the table's second differences about q: h²/8 max|T″| an axis, doubled.
+  double interpolation_error(int channel, const Vec2& q_mm) const;
+
+ private:
+  void add(const CellImage& image, const Vec2& u_m);
+
+  LuminaireGeometry geometry_;
+  Basis basis_;
+  int width_ = 0, height_ = 0;
+  Vec2 first_q_mm_{0, 0};
+  std::vector<double> values_;
+};
+
+/// The goniometric luminaire of lighting design: one point at the centre of the grid on U with the intensity I(ω),
+///
+///     E = I(ω) max(0, −n·ω)/d²,   ω from the point to the receiver, d away.
+///
+/// Its error falls as size/d and depends on the direction; the bound it states follows from the least and greatest C
+/// between the ray taken and the true ones, and from the table's step.
+class FarField final : public HostMethod {
+ public:
+  FarField(const LightField& light_field, const MethodSettings& settings);
+
+  Result<std::vector<double>> irradiance(const Receiver& receiver, std::uint32_t number) const override;
+  Result<Estimate> estimate(const Receiver& receiver, std::uint32_t number) const override;
+
+ private:
+  LightField light_field_;
+  Basis basis_;
+  FarFieldTable table_;
+};
+
+}  // namespace lumifield

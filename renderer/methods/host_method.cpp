@@ -1,0 +1,90 @@
+#include "renderer/methods/host_method.h"
+
+#include <cmath>
+
+#include "renderer/methods/far_field.h"
+#include "renderer/methods/position_dependent.h"
+#include "renderer/methods/position_dependent_printed.h"
+#include "renderer/methods/precomputed_lights.h"
+#include "renderer/methods/uniform_box.h"
+
+namespace lumifield {
+
+namespace {
+
+/// |C| in place of C: what rounding errors are measured against.
+LightField absolute(const LightField& light_field) {
+  LightField result(light_field.geometry());
+  const Sampling& sampling = light_field.geometry().sampling;
+  for (int flat = 0; flat < sampling.cells(); ++flat) {
+    const auto image = light_field.cell(sampling.index(flat));
+    if (!image) continue;
+    CellImage positive{image->width_px, image->height_px, image->channels, image->value, {}, {}};
+    for (float& v : positive.value) v = std::abs(v);
+    // What was taken once is taken again.
+    (void)result.add(sampling.index(flat), std::move(positive));
+  }
+  return result;
+}
+
+/// The closed form in the methods' role; the reference is that without a level of detail.
+class ClosedFormMethod final : public HostMethod {
+ public:
+  ClosedFormMethod(const LightField& light_field, double lod) : exact_(light_field), magnitude_(absolute(light_field)) {
+    if (lod > 0) coarse_ = std::make_unique<ClosedForm>(light_field, lod);
+  }
+
+  Result<std::vector<double>> irradiance(const Receiver& receiver, std::uint32_t) const override {
+    return (coarse_ ? *coarse_ : exact_).irradiance(receiver);
+  }
+
+  /// Rounding, and of a level of detail what it differs from the exact sum.
+  Result<Estimate> estimate(const Receiver& receiver, std::uint32_t) const override {
+    constexpr double rounding = 1e-10;
+    const std::vector<double> exact = exact_.irradiance(receiver);
+    Estimate result{coarse_ ? coarse_->irradiance(receiver) : exact, magnitude_.irradiance(receiver)};
+    for (std::size_t c = 0; c < exact.size(); ++c)
+      result.stated_error[c] = rounding * result.stated_error[c] + std::abs(result.irradiance[c] - exact[c]);
+    return result;
+  }
+
+ private:
+  ClosedForm exact_, magnitude_;
+  std::unique_ptr<ClosedForm> coarse_;
+};
+
+}  // namespace
+
+Status check_settings(const MethodSettings& s) {
+  constexpr double most_samples = 1e8;
+  if (!(s.samples >= 1 && s.samples <= most_samples))
+    return fail("is not between 1 and 1e8", "number of samples", "give another");
+  if (!(s.k_max >= 0 && std::isfinite(s.k_max))) return fail("is negative or not finite", "k_max", "give 0 for none");
+  if (!(s.lod >= 0 && std::isfinite(s.lod)))
+    return fail("is negative or not finite", "level of detail", "give the pixels per support, or 0 for all");
+  if (s.depth < 1) return fail("is less than 1", "depth of the search", "give more");
+  return {};
+}
+
+Result<std::unique_ptr<HostMethod>> make_host_method(const LightField& light_field, const MethodSettings& settings) {
+  if (const Status good = check_settings(settings); !good) return tl::unexpected(good.error());
+  switch (settings.method) {
+    case Method::closed_form:
+      return std::make_unique<ClosedFormMethod>(light_field, settings.lod);
+    case Method::reference:
+      return std::make_unique<ClosedFormMethod>(light_field, 0);
+    case Method::position_dependent:
+      return std::make_unique<PositionDependent>(light_field, settings);
+    case Method::position_dependent_printed:
+      return PositionDependentPrinted::create(light_field, settings);
+    case Method::uniform_box:
+      return std::make_unique<UniformBox>(light_field, settings);
+    case Method::precomputed_lights:
+      return std::make_unique<PrecomputedLights>(light_field, settings);
+    case Method::far_field:
+      return std::make_unique<FarField>(light_field, settings);
+  }
+  return fail("is none that there is", "method", "choose another");
+}
+
+}  // namespace lumifield

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "luminaire/light_field.h"
+#include "renderer/methods/closed_form.h"
+#include "renderer/methods/method.h"
+
+namespace lumifield {
+
+/// What a method says of one receiver.
+struct Estimate {
+  std::vector<double> irradiance;  ///< per channel, the dataset's irradiance unit
+  /// How far the method itself says it may be off, per channel: for samplers one standard deviation of this estimate
+  /// over all seeds, derived from the distribution that is drawn from (not from the samples), and the known bias where
+  /// there is one; for the others a bound.
+  std::vector<double> stated_error;
+};
+
+/// A method on the host, in double precision: what its kernel is compared with, and what says where it cannot be used.
+/// Reentrant; reads the light field's cells at construction.
+class HostMethod {
+ public:
+  virtual ~HostMethod() = default;
+
+  /// `number` of the receiver seeds what is random about it alone. Errors: a receiver at which the method has no
+  /// answer, with the reason.
+  virtual Result<std::vector<double>> irradiance(const Receiver& receiver, std::uint32_t number) const = 0;
+  virtual Result<Estimate> estimate(const Receiver& receiver, std::uint32_t number) const = 0;
+};
+
+/// Errors: settings outside their range, a luminaire that the method cannot take (cell named).
+Result<std::unique_ptr<HostMethod>> make_host_method(const LightField& light_field, const MethodSettings& settings);
+
+/// Refuses what no method takes: fewer than one sample or more than 1e8, NaN.
+Status check_settings(const MethodSettings& settings);
+
+}  // namespace lumifield

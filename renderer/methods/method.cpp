@@ -1,0 +1,40 @@
+#include "renderer/methods/method.h"
+
+#include <algorithm>
+#include <array>
+
+namespace lumifield {
+
+namespace {
+
+constexpr std::array all{
+    MethodInfo{Method::closed_form, "closed-form", "exact sum over the pixels of every cell, or over coarser ones",
+               MethodCost::pixels_per_support},
+    MethodInfo{Method::position_dependent, "position-dependent",
+               "samples of the cells' images within what each receiver sees (Lu 2015, corrected)", MethodCost::samples},
+    MethodInfo{Method::position_dependent_printed, "position-dependent-printed",
+               "the same as published: biased, kept to show by how much", MethodCost::samples},
+    MethodInfo{Method::uniform_box, "uniform-box", "as many uniform samples in the support of each cell",
+               MethodCost::samples},
+    MethodInfo{Method::precomputed_lights, "precomputed-lights",
+               "light samples of the whole luminaire, the same for all receivers", MethodCost::lights},
+    MethodInfo{Method::far_field, "far-field", "the luminaire as a point with an intensity distribution",
+               MethodCost::none},
+    MethodInfo{Method::reference, "reference", "the judge: double precision on the host, no approximation",
+               MethodCost::none},
+};
+
+}  // namespace
+
+std::span<const MethodInfo> methods() { return all; }
+
+const MethodInfo& info(Method method) { return all[static_cast<std::size_t>(method)]; }
+
+std::string_view to_string(Method method) { return info(method).name; }
+
+std::optional<Method> method_from_string(std::string_view name) {
+  const auto found = std::ranges::find(all, name, &MethodInfo::name);
+  return found == all.end() ? std::nullopt : std::optional(found->method);
+}
+
+}  // namespace lumifield

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "renderer/sampling/cdf_inversion.h"
+#include "renderer/sampling/sequence.h"
+
+namespace lumifield {
+
+/// The ways to compute the irradiance of a diffuse, unoccluded receiver. Each has a host form in double precision
+/// (host_method.h) and, but for the reference, an OpenCL form (device_method.h).
+enum class Method {
+  closed_form,
+  position_dependent,
+  position_dependent_printed,
+  uniform_box,
+  precomputed_lights,
+  far_field,
+  reference,
+};
+
+/// What a method's cost is counted in.
+enum class MethodCost { none, pixels_per_support, samples, lights };
+
+struct MethodInfo {
+  Method method;
+  std::string_view name;  ///< in files, options and the window
+  std::string_view what;  ///< one line for people
+  MethodCost cost;
+};
+
+/// All of them, in the order of the enumeration.
+std::span<const MethodInfo> methods();
+const MethodInfo& info(Method method);
+std::string_view to_string(Method method);
+std::optional<Method> method_from_string(std::string_view name);
+
+/// What is chosen about a method. Value type.
+struct MethodSettings {
+  Method method = Method::closed_form;
+  double lod = 0;        ///< closed form: level of detail T, pixels per support and axis; 0 is exact
+  double samples = 200;  ///< K per receiver; precomputed-lights: lights in all
+  double k_max = 0;      ///< bound of the samples of a receiver in one cell; 0: none
+  std::uint32_t seed = 1;
+  PointSequence sequence = PointSequence::halton;
+  Inversion inversion = Inversion::secant;
+  int depth = whole_depth;  ///< of the search in a cdf
+};
+
+}  // namespace lumifield

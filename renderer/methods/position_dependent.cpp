@@ -1,0 +1,109 @@
+#include "renderer/methods/position_dependent.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderer/methods/seen_pixels.h"
+#include "renderer/sampling/box_distribution.h"
+#include "renderer/sampling/sample_counts.h"
+
+namespace lumifield {
+
+void add_sample(const ReceiverView& view, const SampledCell& cell, const Vec2& tau, int i, int j, double scale,
+                std::vector<double>& sum) {
+  const double importance = cell.importance.value(i, j);
+  if (!(importance > 0)) return;
+  const double weight = scale * view.weight(cell.u_mm, tau) / importance;
+  for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += weight * cell.image->at(static_cast<int>(c), i, j);
+}
+
+bool pixel_under(const ReceiverView& view, const Vec2& u_m, const Vec2& tau, int& i, int& j) {
+  const Measurement& m = view.geometry().measurement;
+  const Vec2 on_s = view.on_s_px(u_m, tau);
+  if (!(on_s.x() >= 0 && on_s.x() < m.width_px && on_s.y() >= 0 && on_s.y() < m.height_px)) return false;
+  i = static_cast<int>(on_s.x());
+  j = static_cast<int>(on_s.y());
+  return true;
+}
+
+PositionDependent::PositionDependent(const LightField& light_field, const MethodSettings& settings)
+    : geometry_(light_field.geometry()),
+      basis_(geometry_.sampling.basis),
+      settings_(settings),
+      cells_(sampled_cells(light_field)),
+      points_(settings.sequence, settings.samples, settings.seed) {}
+
+PositionDependent::Balance PositionDependent::balance(const ReceiverView& view) const {
+  Balance balance{{}, {}, view.span_px() < least_span_px};
+  for (const SampledCell& cell : cells_) {
+    double a = 0;
+    if (balance.on_u)
+      over_seen_pixels(view, cell.u_mm,
+                       [&](int i, int j, const Vec2&, double area) { a += area * cell.importance.value(i, j); });
+    else
+      a = BoxDistribution(cell.importance, view.box(cell.u_mm)).integral() / std::abs(view.rate().prod());
+    balance.a.push_back(a);
+  }
+  balance.kappa = expected_counts(balance.a, settings_.samples, settings_.k_max);
+  return balance;
+}
+
+/// `scale` is A_m/κ_m.
+void PositionDependent::draw(const ReceiverView& view, std::uint32_t number, const SampledCell& cell, bool on_u,
+                             double scale, int count, std::vector<double>& sum) const {
+  const double half = view.half_support();
+  const BoxDistribution box(cell.importance, view.box(cell.u_mm));
+  for (int k = 0; k < count; ++k) {
+    const UnitPoint xi = points_.at(cell.number, number, k);
+    if (!on_u) {
+      const auto point = box.sample(xi.x, xi.y, settings_.inversion, settings_.depth);
+      if (point) add_sample(view, cell, view.tau(cell.u_mm, {point->x, point->y}), point->i, point->j, scale, sum);
+      continue;
+    }
+    int i = 0, j = 0;
+    const Vec2 tau(half * (2.0 * xi.x - 1), half * (2.0 * xi.y - 1));
+    if (!pixel_under(view, cell.u_mm, tau, i, j)) continue;
+    add_sample(view, cell, tau, i, j, scale * cell.importance.value(i, j), sum);
+  }
+}
+
+Result<std::vector<double>> PositionDependent::irradiance(const Receiver& receiver, std::uint32_t number) const {
+  std::vector<double> sum(geometry_.channels.size(), 0.0);
+  const ReceiverView view(geometry_, basis_, receiver);
+  if (!view.in_front()) return sum;
+  const Balance share = balance(view);
+  const std::vector<int> counts = systematic_rounding(share.kappa, rounding_offset(settings_.seed, number));
+  const double support = 4 * view.half_support() * view.half_support();
+  for (std::size_t m = 0; m < cells_.size(); ++m)
+    if (counts[m] > 0)
+      draw(view, number, cells_[m], share.on_u, (share.on_u ? support : share.a[m]) / share.kappa[m], counts[m], sum);
+  return sum;
+}
+
+/// The variance of a cell's sum is at most 1/κ ∫ (F C)²/q dτ for samples of density q, whatever the rounding of κ.
+Result<Estimate> PositionDependent::estimate(const Receiver& receiver, std::uint32_t number) const {
+  auto value = irradiance(receiver, number);
+  if (!value) return tl::unexpected(value.error());
+  Estimate result{std::move(*value), std::vector<double>(geometry_.channels.size(), 0.0)};
+  const ReceiverView view(geometry_, basis_, receiver);
+  if (!view.in_front()) return result;
+  const Balance share = balance(view);
+  const double support = 4 * view.half_support() * view.half_support();
+  for (std::size_t m = 0; m < cells_.size(); ++m) {
+    if (!(share.kappa[m] > 0)) continue;
+    const SampledCell& cell = cells_[m];
+    over_seen_pixels(view, cell.u_mm, [&](int i, int j, const Vec2& tau, double area) {
+      const double importance = cell.importance.value(i, j), weight = view.weight(cell.u_mm, tau);
+      if (!(importance > 0)) return;
+      const double density = share.on_u ? 1 / support : importance / share.a[m];
+      for (std::size_t c = 0; c < result.stated_error.size(); ++c) {
+        const double value_c = weight * cell.image->at(static_cast<int>(c), i, j);
+        result.stated_error[c] += area * value_c * value_c / density / share.kappa[m];
+      }
+    });
+  }
+  for (double& each : result.stated_error) each = std::sqrt(each);
+  return result;
+}
+
+}  // namespace lumifield

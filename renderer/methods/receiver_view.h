@@ -1,0 +1,51 @@
+#pragma once
+
+#include "luminaire/basis.h"
+#include "renderer/methods/closed_form.h"
+#include "renderer/sampling/summed_area_table.h"
+
+namespace lumifield {
+
+/// A receiver before the planes, and what it sees of a cell: the support of Φ_m, τ = (u − u_m)/a on [−h, h]², and its
+/// image on S, an axis-parallel box (Lu 2015, Eq. 7) that swaps its ends between the planes and shrinks to a point on
+/// S. In τ the irradiance has no pole anywhere before U:
+///
+///     E_m = δ² a_x a_y/(δ+Δ)³ ∫∫ C_m(s(τ)) φ(τ_x) φ(τ_y) max(0, n·(u−p)) dτ
+///
+/// Value type; refers to the geometry. Safe from any thread.
+class ReceiverView {
+ public:
+  ReceiverView(const LuminaireGeometry& geometry, const Basis& basis, const Receiver& receiver);
+
+  /// Not behind U: else the irradiance is 0.
+  bool in_front() const { return receiver_.p_mm.z() > 0; }
+  double delta_mm() const { return receiver_.p_mm.z() - geometry_->planes.separation_mm; }  ///< Δ
+  /// Pixels of S per unit of τ, negative between the planes.
+  const Vec2& rate() const { return rate_; }
+  double half_support() const { return half_; }
+  /// Fewest pixels that the support spans on an axis.
+  double span_px() const { return 2 * half_ * rate_.cwiseAbs().minCoeff(); }
+
+  /// Where u = u_m + a τ shows on S, in pixels from the corner of the image.
+  Vec2 on_s_px(const Vec2& u_m, const Vec2& tau) const;
+  /// The support as seen on S, ends in order, not clipped to the image.
+  PixelBox box(const Vec2& u_m) const;
+  /// The inverse of on_s_px, where S is not at p.
+  Vec2 tau(const Vec2& u_m, const Vec2& on_s_px) const;
+
+  /// δ² a_x a_y/(δ+Δ)³ φ(τ_x) φ(τ_y) max(0, n·(u−p)): irradiance per unit of C and of τ².
+  double weight(const Vec2& u_m, const Vec2& tau) const;
+
+  const LuminaireGeometry& geometry() const { return *geometry_; }
+  const Receiver& receiver() const { return receiver_; }
+  const Basis& basis() const { return *basis_; }
+
+ private:
+  const LuminaireGeometry* geometry_;
+  const Basis* basis_;
+  Receiver receiver_;
+  double half_, factor_ = 0;
+  Vec2 rate_{0, 0};
+};
+
+}  // namespace lumifield
