@@ -33,13 +33,28 @@ PositionDependent::PositionDependent(const LightField& light_field, const Method
       cells_(sampled_cells(light_field)),
       points_(settings.sequence, settings.samples, settings.seed) {}
 
+namespace {
+
+/// Over the pixels that a support near S touches.
+double mean_importance(const ReceiverView& view, const SampledCell& cell) {
+  const Vec2 center = view.on_s_px(cell.u_mm, {0, 0}), reach = view.half_support() * view.rate().cwiseAbs();
+  const Vec2 first = (center - reach).array().floor(), last = (center + reach).array().floor();
+  double sum = 0;
+  for (double j = std::max(first.y(), 0.0); j <= std::min(last.y(), cell.importance.height_px() - 1.0); ++j)
+    for (double i = std::max(first.x(), 0.0); i <= std::min(last.x(), cell.importance.width_px() - 1.0); ++i)
+      sum += cell.importance.value(static_cast<int>(i), static_cast<int>(j));
+  return sum / ((last.x() - first.x() + 1) * (last.y() - first.y() + 1));
+}
+
+}  // namespace
+
 PositionDependent::Balance PositionDependent::balance(const ReceiverView& view) const {
   Balance balance{{}, {}, view.span_px() < least_span_px};
+  const double support = 4 * view.half_support() * view.half_support();
   for (const SampledCell& cell : cells_) {
     double a = 0;
     if (balance.on_u)
-      over_seen_pixels(view, cell.u_mm,
-                       [&](int i, int j, const Vec2&, double area) { a += area * cell.importance.value(i, j); });
+      a = support * mean_importance(view, cell);
     else
       a = BoxDistribution(cell.importance, view.box(cell.u_mm)).integral() / std::abs(view.rate().prod());
     balance.a.push_back(a);

@@ -19,7 +19,7 @@ namespace lumifield {
 ///
 /// K_m is the systematic rounding of κ_m, and κ_m, not K_m, divides: unbiased at any K. Every cell has its own rotation
 /// of one point sequence, which all receivers share. Where a support spans fewer than 4 pixels samples are uniform on
-/// U, with the same balance: A_m there is summed over the pixels seen, since table corners lose their digits.
+/// U; A_m is then the mean over the pixels touched times the support, since table corners lose their digits.
 class PositionDependent final : public HostMethod {
  public:
   PositionDependent(const LightField& light_field, const MethodSettings& settings);

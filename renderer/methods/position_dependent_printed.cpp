@@ -47,7 +47,8 @@ PositionDependentPrinted::PositionDependentPrinted(const LightField& light_field
   for (const SampledCell& cell : cells_) tables_.emplace_back(cell.importance);
 }
 
-Status PositionDependentPrinted::check(const ReceiverView& view) const {
+Status check_printed_receiver(const LuminaireGeometry& geometry, const Receiver& receiver) {
+  const ReceiverView view(geometry, Basis(geometry.sampling.basis), receiver);
   if (view.delta_mm() < 0)
     return fail("lies between the planes, where the published equations do not hold", "receiver", use_corrected);
   if (view.delta_mm() > 0 && view.span_px() < printed_least_span_px)
@@ -73,7 +74,7 @@ Result<std::vector<double>> PositionDependentPrinted::irradiance(const Receiver&
   std::vector<double> sum(geometry_.channels.size(), 0.0);
   const ReceiverView view(geometry_, basis_, receiver);
   if (!view.in_front()) return sum;
-  if (const Status good = check(view); !good) return tl::unexpected(good.error());
+  if (const Status good = check_printed_receiver(geometry_, receiver); !good) return tl::unexpected(good.error());
   const std::vector<double> a = areas(view);
   const std::vector<int> counts = nearest_counts(expected_counts(a, settings_.samples, settings_.k_max));
   const double half = view.half_support();

@@ -30,7 +30,6 @@ class PositionDependentPrinted final : public HostMethod {
 
  private:
   PositionDependentPrinted(const LightField& light_field, const MethodSettings& settings);
-  Status check(const ReceiverView& view) const;
   /// A_m in τ², or on S the luminance of the pixel at p.
   std::vector<double> areas(const ReceiverView& view) const;
 
@@ -44,6 +43,9 @@ class PositionDependentPrinted final : public HostMethod {
 
 /// Refuses a luminaire that holds a luminance below 0, its cell and pixel named.
 Status check_printed_luminaire(const LightField& light_field);
+
+/// Refuses a receiver between the planes, or so near S that the box has no digits.
+Status check_printed_receiver(const LuminaireGeometry& geometry, const Receiver& receiver);
 
 /// Fewest pixels of a support beyond S at which the published box still has digits.
 inline constexpr double printed_least_span_px = 1e-3;

@@ -1,0 +1,31 @@
+// One point with an intensity distribution: renderer/methods/far_field.h.
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+
+#ifndef CHANNELS
+#define CHANNELS 1
+#endif
+
+#include "renderer/methods/sampling_shared.h"
+
+// The geometry's corner is the table's first q, width, height and plane the table's. center: of the grid on U.
+__kernel void far_field(const SamplingGeometry geometry, __global const SamplingReceiver* receivers,
+                        __global const float* table, const double2 center, __global double* sums) {
+  const int id = geometry.first_receiver + (int)get_global_id(0);
+  if (id >= geometry.receivers) return;
+  const SamplingReceiver at = receivers[id];
+  const double2 p = (double2)(at.p_x, at.p_y) - center;
+  const double facing = -(at.n_x * p.x + at.n_y * p.y + at.n_z * at.p_z);
+  if (!(at.p_z > 0) || !(facing > 0)) return;
+  const double2 q = (p * (geometry.separation / at.p_z) - (double2)(geometry.corner_x, geometry.corner_y)) /
+                    (double2)(geometry.pixel_x, geometry.pixel_y);
+  if (!(q.x >= 0 && q.x < geometry.width - 1 && q.y >= 0 && q.y < geometry.height - 1)) return;
+  const int i = (int)q.x, j = (int)q.y;
+  const float x = (float)(q.x - i), y = (float)(q.y - j);
+  const double factor = geometry.separation * geometry.separation * facing / (at.p_z * at.p_z * at.p_z);
+  for (int c = 0; c < CHANNELS; ++c) {
+    __global const float* low = table + c * geometry.plane + j * geometry.width + i;
+    __global const float* high = low + geometry.width;
+    const float value = (1 - y) * ((1 - x) * low[0] + x * low[1]) + y * ((1 - x) * high[0] + x * high[1]);
+    sums[(size_t)id * CHANNELS + c] = factor * value;
+  }
+}

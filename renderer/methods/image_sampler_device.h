@@ -1,0 +1,32 @@
+#pragma once
+
+#include "renderer/methods/sampled_device.h"
+
+namespace lumifield {
+
+/// Parts of the position-dependent kernel, to see what each takes: the balance alone, and the draws, and their weights.
+enum class SamplingSteps { balance = 1, draws = 2, all = 3 };
+
+/// The methods that sample cells' images for each receiver: position-dependent, as printed, uniform-box. Images,
+/// summed-area tables and column sums (doubles) lie on the device. Thread-bound.
+class ImageSamplerDevice final : public SampledDevice {
+ public:
+  /// plain: the position-dependent kernel with scalar searches through its tables, as a yardstick; the same draws.
+  static Result<std::unique_ptr<ImageSamplerDevice>> create(const LuminaireGeometry& geometry,
+                                                            const MethodSettings& settings,
+                                                            SamplingSteps steps = SamplingSteps::all,
+                                                            bool plain = false);
+  Status set_cells(const LightField& light_field) override;
+
+ private:
+  using SampledDevice::SampledDevice;
+  void set_arguments(DeviceKernel& kernel) override;
+  Status make_points() override;
+  Status check_receiver(const Receiver& receiver) const override;
+  Status upload_cell(std::size_t m, const SampledCell& cell);
+
+  DeviceBuffer cells_, images_, tables_, columns_, marginals_, points_;
+  std::vector<int> numbers_;  ///< of the cells in the grid
+};
+
+}  // namespace lumifield

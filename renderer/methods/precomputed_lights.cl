@@ -1,0 +1,47 @@
+// The same light samples for all receivers, cell by cell, sixteen at a time: renderer/methods/precomputed_lights.h.
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+
+#ifndef BASIS
+#define BASIS 2
+#endif
+#ifndef CHANNELS
+#define CHANNELS 1
+#endif
+
+#include "renderer/methods/sampling_shared.h"
+#include "renderer/methods/sampling_view.clh"
+
+// lights: x of all, y of all, then each channel's value of all, in planes of `plane`; those of a cell begin at a
+// multiple of 16 and are filled up with values of 0. A receiver on S sees none.
+__kernel void precomputed_lights(const SamplingGeometry geometry, __global const SamplingReceiver* receivers,
+                                 __global const SamplingCell* cells, __global const float* lights,
+                                 __global double* sums) {
+  const int id = geometry.first_receiver + (int)get_global_id(0);
+  if (id >= geometry.receivers || unlit(receivers[id])) return;
+  const View view = view_of(&geometry, receivers[id]);
+  if (view.rate.x == 0) return;
+  const float2 per_rate = convert_float2(1 / view.rate);
+  double sum[CHANNELS];
+  for (int c = 0; c < CHANNELS; ++c) sum[c] = 0;
+  for (int m = 0; m < geometry.cells; ++m) {
+    const SamplingCell cell = cells[m];
+    const float2 center = convert_float2(on_s_px(&geometry, &view, (double2)(cell.u_x, cell.u_y)));
+    const float height = center_height(&view, cell.u_x, cell.u_y);
+    float16 part[CHANNELS];
+    for (int c = 0; c < CHANNELS; ++c) part[c] = 0;
+    for (int k = cell.first_light; k < cells[m + 1].first_light; k += 16) {
+      const float16 x = (vload16(0, lights + k) - center.x) * per_rate.x;
+      const float16 y = (vload16(0, lights + geometry.plane + k) - center.y) * per_rate.y;
+      const float16 g = height + view.slope.x * x + view.slope.y * y;
+      const float16 weight = phi_of_16(x) * phi_of_16(y) * fmax(g, (float16)0);
+      for (int c = 0; c < CHANNELS; ++c) part[c] += weight * vload16(0, lights + (2 + c) * geometry.plane + k);
+    }
+    for (int c = 0; c < CHANNELS; ++c) {
+      const float8 eight = part[c].lo + part[c].hi;
+      const float4 four = eight.lo + eight.hi;
+      sum[c] += (four.x + four.y) + (four.z + four.w);
+    }
+  }
+  const double scale = view.factor / fabs(view.rate.x * view.rate.y);
+  for (int c = 0; c < CHANNELS; ++c) sums[(size_t)id * CHANNELS + c] = scale * sum[c];
+}

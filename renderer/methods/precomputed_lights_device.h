@@ -1,0 +1,24 @@
+#pragma once
+
+#include "renderer/methods/sampled_device.h"
+
+namespace lumifield {
+
+/// The kernel of precomputed-lights. Thread-bound.
+class PrecomputedLightsDevice final : public SampledDevice {
+ public:
+  static Result<std::unique_ptr<PrecomputedLightsDevice>> create(const LuminaireGeometry& geometry,
+                                                                 const MethodSettings& settings);
+  Status set_cells(const LightField& light_field) override;
+
+ private:
+  using SampledDevice::SampledDevice;
+  void set_arguments(DeviceKernel& kernel) override;
+  Status make_points() override;
+  Status check_receiver(const Receiver& receiver) const override;
+
+  std::vector<SampledCell> sampled_;
+  DeviceBuffer cells_, lights_;
+};
+
+}  // namespace lumifield

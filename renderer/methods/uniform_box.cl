@@ -1,0 +1,46 @@
+// As many uniform samples in the support of each cell: renderer/methods/uniform_box.h.
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+
+#ifndef BASIS
+#define BASIS 2
+#endif
+#ifndef CHANNELS
+#define CHANNELS 1
+#endif
+
+#include "renderer/methods/sampling_shared.h"
+#include "renderer/methods/sampling_view.clh"
+
+__kernel void uniform_box(const SamplingGeometry geometry, __global const SamplingReceiver* receivers,
+                          __global const SamplingCell* cells, __global const float* images,
+                          __global const float2* points, __global double* sums) {
+  const int id = geometry.first_receiver + (int)get_global_id(0);
+  if (id >= geometry.receivers || unlit(receivers[id])) return;
+  const View view = view_of(&geometry, receivers[id]);
+  const double kappa = geometry.samples / geometry.cells;
+  double count = rounding_offset(geometry.seed, (uint)id);
+  double sum[CHANNELS];
+  for (int c = 0; c < CHANNELS; ++c) sum[c] = 0;
+  for (int m = 0; m < geometry.cells; ++m) {
+    const SamplingCell cell = cells[m];
+    const double before = floor(count);
+    count += kappa;
+    const int samples = (int)(floor(count) - before);
+    const double2 u_m = (double2)(cell.u_x, cell.u_y), spacing = (double2)(geometry.spacing_x, geometry.spacing_y);
+    const float height = center_height(&view, cell.u_x, cell.u_y);
+    __global const float* image = images + (size_t)m * CHANNELS * geometry.plane;
+    const uint first = first_point(&geometry, (uint)cell.number, (uint)id);
+    for (int k = 0; k < samples; ++k) {
+      const float2 xi = sample_point(&geometry, points, &cell, first, k);
+      const float2 tau = (float)HALF * (2 * xi - 1);
+      const double2 at = on_s_px(&geometry, &view, u_m + spacing * convert_double2(tau));
+      if (!(at.x >= 0 && at.x < geometry.width && at.y >= 0 && at.y < geometry.height)) continue;
+      const float g = height + dot(view.slope, tau);
+      const float weight = phi(tau.x) * phi(tau.y) * fmax(g, 0.0f);
+      const int pixel = (int)at.y * geometry.stride + (int)at.x;
+      for (int c = 0; c < CHANNELS; ++c) sum[c] += weight * image[c * geometry.plane + pixel];
+    }
+  }
+  const double scale = view.factor * (4 * HALF * HALF) / kappa;
+  for (int c = 0; c < CHANNELS; ++c) sums[(size_t)id * CHANNELS + c] = scale * sum[c];
+}
