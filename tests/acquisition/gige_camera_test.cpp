@@ -40,6 +40,15 @@ struct FormulaWorld {
   std::vector<Vec2> waited_for;
   std::atomic<int> ready_after_ms = 0;
 
+  void place(const Vec2& at) {
+    const std::lock_guard lock(mutex);
+    stage_mm = at;
+  }
+  std::size_t exposures() {
+    const std::lock_guard lock(mutex);
+    return waited_for.size();
+  }
+
   static void expose(const Exposure& e, std::span<std::uint16_t> dn) {
     const double level = 1e5 * e.exposure_s + 64 * e.stage_mm.x() + 16 * e.stage_mm.y() + 8 * e.gain_db;
     for (int y = 0; y < e.height_px; ++y)
@@ -217,8 +226,7 @@ TEST_F(GigeCameraTest, ReadsOutARegion) {
   ASSERT_EQ(error, nullptr) << error->message;
   client.expose_for(1000, 0);
   client.start();
-  client.trigger();
-  const auto frame = client.next(3);
+  const auto frame = client.trigger_until_complete();
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->width_px, 640);
   EXPECT_TRUE(frame->dn == expected({world_.stage_mm, 0.001, 0, 640, 480, 100, 40}));
@@ -246,13 +254,17 @@ TEST_F(GigeCameraTest, TakesTheStageAtTheStartOfTheExposure) {
   client.expose_for(150000, 0);
   client.start();
   const Vec2 start = world_.stage_mm;
-  client.trigger();
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  {
-    const std::lock_guard lock(world_.mutex);
-    world_.stage_mm = {9, 9};
+  std::optional<Client::Frame> frame;
+  for (int tries = 0; tries < 8 && !(frame && frame->complete); ++tries) {
+    world_.place(start);
+    const std::size_t exposures = world_.exposures();
+    client.trigger();
+    // The stage moves as soon as the exposure has taken it.
+    for (int k = 0; k < 3000 && world_.exposures() == exposures; ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    world_.place({9, 9});
+    frame = client.next(3);
   }
-  const auto frame = client.next(3);
   ASSERT_TRUE(frame);
   EXPECT_TRUE(frame->dn == expected({start, 0.15, 0, 320, 240, 0, 0}));
 }
