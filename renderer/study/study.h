@@ -16,7 +16,7 @@ struct StudyPoint {
   double time_ms = 0;      ///< median kernel time of the picture, by the device's own profiling
   double rel_rmse = 0;     ///< RMS error over the mean irradiance, at the stratified receivers
   double lab_delta_e = 0;  ///< mean CIE 1976 ΔE of the tone-mapped pictures
-  std::string device;
+  std::string device{};
   int width_px = 0, height_px = 0;  ///< of the picture that was timed
 };
 

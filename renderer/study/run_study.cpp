@@ -1,0 +1,45 @@
+#include "renderer/study/run_study.h"
+
+#include "renderer/study/ladder.h"
+#include "renderer/study/paper_figures.h"
+#include "renderer/study/stability.h"
+
+namespace lumifield {
+
+Result<Study> run_study(const StudyJob& job, const StudyProgress& progress) {
+  Study study{job.scene.name, job.quick, {}, {}, {}};
+  auto camera = StudyCamera::create(job.scene);
+  if (!camera) return tl::unexpected(camera.error());
+
+  // The ladders take most of the time, the table and the pictures at full size the rest.
+  const double ladders = 0.85,
+               each_share = ladders / static_cast<double>(std::max<std::size_t>(job.luminaires.size(), 1));
+  for (std::size_t k = 0; k < job.luminaires.size(); ++k) {
+    const auto part = [&](double from, double to) {
+      return [&, from, to](double share, const std::string& what) {
+        return progress(each_share * (static_cast<double>(k) + from + (to - from) * share), what);
+      };
+    };
+    auto bench = StudyBench::create(**camera, job.luminaires[k]);
+    if (!bench) return tl::unexpected(bench.error());
+    auto points = climb_ladder(**bench, job.quick, part(0, 0.7));
+    if (!points) return tl::unexpected(points.error());
+    for (FigureRow& row : equal_error_rows(*points, job.luminaires[k].name)) study.figures.push_back(std::move(row));
+    study.points.insert(study.points.end(), points->begin(), points->end());
+    auto figures = paper_figures(**bench, job.quick, part(0.7, 0.7));
+    if (!figures) return tl::unexpected(figures.error());
+    for (FigureRow& row : *figures) study.figures.push_back(std::move(row));
+    if (k > 0) continue;
+    auto full = confirm_at_full_size(**bench, **camera, job.quick, part(0.85, 1));
+    if (!full) return tl::unexpected(full.error());
+    study.points.insert(study.points.end(), full->begin(), full->end());
+  }
+  auto table = stability_table(
+      [&](double share, const std::string& what) { return progress(ladders + (1 - ladders) * share, what); });
+  if (!table) return tl::unexpected(table.error());
+  study.stability = std::move(*table);
+  progress(1, "done");
+  return study;
+}
+
+}  // namespace lumifield

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "luminaire/scene.h"
+#include "renderer/study/study_bench.h"
+
+namespace lumifield {
+
+struct StudyJob {
+  Scene scene;  ///< its first luminaire's place is taken
+  std::vector<StudyLuminaire> luminaires;
+  bool quick = false;
+};
+
+/// The whole study: the ladder of every method on every luminaire, one point of each at 1024×768 on the first, the
+/// stability table, and the paper's figures. Opens an EGL context and OpenCL on the calling thread. Errors: the
+/// scene's, no EGL, no OpenCL, a luminaire that lights nothing seen, stopped (ErrorKind::stopped).
+Result<Study> run_study(const StudyJob& job, const StudyProgress& progress);
+
+}  // namespace lumifield

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "renderer/methods/device_method.h"
+#include "renderer/study/study.h"
+#include "renderer/study/study_frame.h"
+
+namespace lumifield {
+
+struct StudyLuminaire {
+  std::string name;
+  LightField light_field;
+};
+
+/// Where the study stands, 0 … 1, and what it is at; false stops it.
+using StudyProgress = std::function<bool(double share, const std::string& what)>;
+
+/// One luminaire in one scene, with all that methods are judged by: a picture to time (256×192), 1,024 stratified
+/// receivers of it with their reference, and a picture for ΔE (160×120) with its reference, the closed form's kernel
+/// without a level of detail. Thread-bound.
+class StudyBench {
+ public:
+  static Result<std::unique_ptr<StudyBench>> create(StudyCamera& camera, const StudyLuminaire& luminaire);
+
+  /// Evaluates a method that has the luminaire's cells, `repeats` times, and judges it. The method keeps its samples.
+  Result<StudyPoint> judge(DeviceMethod& method, int repeats) const;
+  /// Of a host form, one evaluation of the receivers and the small picture; no time.
+  Result<StudyPoint> judge(const class HostMethod& method) const;
+  /// A method that is made, and given the cells.
+  Result<std::unique_ptr<DeviceMethod>> make(const MethodSettings& settings) const;
+
+  const StudyLuminaire& luminaire() const { return *luminaire_; }
+  const StudyFrame& frame() const { return timed_; }
+
+ private:
+  StudyBench() = default;
+  double rel_rmse(const std::vector<double>& at_receivers) const;
+  double delta_e(const std::vector<double>& small_irradiance) const;
+
+  const StudyLuminaire* luminaire_ = nullptr;
+  StudyFrame timed_, small_;
+  std::vector<std::size_t> chosen_;  ///< receivers of `timed_`
+  std::vector<double> reference_;    ///< of those chosen
+  Picture8 small_reference_;
+  double white_ = 0;  ///< average radiance of the small reference, for every tone curve
+};
+
+/// Evaluates all receivers `repeats` times: the irradiance, and the median kernel time in seconds.
+Result<double> timed_evaluation(DeviceMethod& method, const std::vector<Receiver>& receivers, int repeats,
+                                std::vector<double>& irradiance);
+
+}  // namespace lumifield

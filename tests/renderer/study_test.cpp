@@ -1,0 +1,180 @@
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <gtest/gtest.h>
+
+#include "luminaire/file_io.h"
+#include "renderer/renderer.h"
+#include "renderer/study/lab.h"
+#include "renderer/study/ladder.h"
+#include "renderer/study/paper_figures.h"
+#include "renderer/study/reference_cache.h"
+#include "renderer/study/synthetic_luminaire.h"
+
+namespace lumifield {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Lab, KnownColours) {
+  // White, black, and sRGB's red and blue, CIE 1976 with D65.
+  const auto near = [](std::array<double, 3> got, double l, double a, double b) {
+    EXPECT_NEAR(got[0], l, 0.02);
+    EXPECT_NEAR(got[1], a, 0.05);
+    EXPECT_NEAR(got[2], b, 0.05);
+  };
+  near(lab_of_srgb(255, 255, 255), 100, 0, 0);
+  near(lab_of_srgb(0, 0, 0), 0, 0, 0);
+  near(lab_of_srgb(255, 0, 0), 53.24, 80.09, 67.20);
+  near(lab_of_srgb(0, 0, 255), 32.30, 79.19, -107.86);
+}
+
+TEST(Lab, TheMeanIsOverPixels) {
+  const Picture8 black{2, 1, {0, 0, 0, 0, 0, 0}}, half{2, 1, {0, 0, 0, 255, 255, 255}};
+  EXPECT_EQ(mean_lab_delta_e(half, half), 0);
+  EXPECT_NEAR(mean_lab_delta_e(black, half), 50, 0.01);
+}
+
+TEST(SyntheticLuminaire, HasThePapersSizesAndIsSeeded) {
+  const auto all = table_1_luminaires();
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_EQ(all[0].columns * all[0].rows, 63);
+  EXPECT_EQ(2 * all[0].spacing_mm, 15);
+  EXPECT_EQ(3 * all[1].spacing_mm, 49.5);
+  EXPECT_EQ(all[2].columns * all[2].rows, 99);
+  const LightField a = make_luminaire(all[1]), b = make_luminaire(all[1]);
+  EXPECT_EQ(a.cell({2, 2})->value, b.cell({2, 2})->value);
+  EXPECT_NE(a.cell({2, 2})->value, a.cell({2, 3})->value);
+  for (const float v : a.cell({2, 2})->value) ASSERT_GT(v, 0);
+}
+
+class CacheFolder : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "lumifield-cache-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::vector<fs::path> files() const {
+    std::vector<fs::path> all;
+    for (const auto& entry : fs::directory_iterator(folder_)) all.push_back(entry.path());
+    return all;
+  }
+  fs::path folder_;
+};
+
+TEST_F(CacheFolder, AReferenceIsComputedOnceAndFollowsItsContent) {
+  const SyntheticLuminaire small{.name = "small", .columns = 2, .rows = 2, .pixels = 20, .pixel_mm = 4};
+  LightField field = make_luminaire(small);
+  const std::vector<Receiver> at{{{10, -5, 400}, {0, 0, -1}}, {{0, 0, 0}, {0, 0, 0}}};
+  const auto first = cached_reference(field, at, folder_);
+  EXPECT_EQ(first[0], ClosedForm(field).irradiance(at[0])[0]);
+  EXPECT_EQ(first[1], 0) << "no receiver";
+  ASSERT_EQ(files().size(), 1u);
+
+  // What is kept is taken: another value in the file shows.
+  const double mark[] = {42, 0};
+  ASSERT_TRUE(write_file_durably(files()[0], {reinterpret_cast<const char*>(mark), sizeof mark}));
+  EXPECT_EQ(cached_reference(field, at, folder_)[0], 42);
+  // What is not whole, or not finite, is not.
+  ASSERT_TRUE(write_file_durably(files()[0], "short"));
+  EXPECT_EQ(cached_reference(field, at, folder_), first);
+
+  // Another value in a cell, another receiver: other files.
+  CellImage image = *field.cell({0, 1});
+  image.value[150] += 0.25F;
+  ASSERT_TRUE(field.add({0, 1}, std::move(image)));
+  (void)cached_reference(field, at, folder_);
+  (void)cached_reference(field, {at[0]}, folder_);
+  EXPECT_EQ(files().size(), 3u);
+  // No folder is no failure.
+  EXPECT_EQ(cached_reference(make_luminaire(small), at, {}), first);
+}
+
+class StudyOfASmallLuminaire : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (const auto found = probe_opencl(); !found) GTEST_SKIP() << found.error().message();
+    if (const auto found = probe_opengl(); !found) GTEST_SKIP() << found.error().message();
+    const auto scene = read_scene(std::string(LUMIFIELD_SOURCE_DIR) + "/resources/scenes/corner/scene.json");
+    ASSERT_TRUE(scene);
+    camera_ = StudyCamera::create(*scene).value();
+    luminaire_.emplace(StudyLuminaire{
+        "small", make_luminaire({.name = "small", .columns = 3, .rows = 2, .pixels = 75, .pixel_mm = 4})});
+  }
+  std::unique_ptr<StudyCamera> camera_;
+  std::optional<StudyLuminaire> luminaire_;
+};
+
+TEST_F(StudyOfASmallLuminaire, ReceiversAreStratifiedAndLit) {
+  const StudyFrame frame = camera_->frame(256, 192, 150).value();
+  const auto chosen = stratified_receivers(frame, 7);
+  EXPECT_GT(chosen.size(), 900u);
+  EXPECT_LE(chosen.size(), 1024u);
+  for (const std::size_t k : chosen) {
+    EXPECT_GT(frame.receivers[k].p_mm.z(), 150);
+    EXPECT_NEAR(frame.receivers[k].n.norm(), 1, 1e-6);
+  }
+  EXPECT_EQ(chosen, stratified_receivers(frame, 7));
+  EXPECT_NE(chosen, stratified_receivers(frame, 8));
+}
+
+TEST_F(StudyOfASmallLuminaire, TheLadderJudgesEveryMethod) {
+  const auto bench = StudyBench::create(*camera_, *luminaire_);
+  ASSERT_TRUE(bench) << bench.error().message();
+  int told = 0;
+  const auto points = climb_ladder(**bench, true, [&](double share, const std::string&) {
+    EXPECT_GE(share, 0);
+    EXPECT_LT(share, 1);
+    return ++told > 0;
+  });
+  ASSERT_TRUE(points) << points.error().message();
+  EXPECT_EQ(told, int(points->size()));
+  const auto at = [&](Method method, double cost) {
+    for (const StudyPoint& p : *points)
+      if (p.method == method && p.cost == cost) return p;
+    ADD_FAILURE() << to_string(method) << ' ' << cost;
+    return StudyPoint{};
+  };
+  for (const StudyPoint& p : *points) {
+    EXPECT_GT(p.time_ms, 0);
+    EXPECT_FALSE(p.device.empty());
+    EXPECT_TRUE(std::isfinite(p.rel_rmse) && std::isfinite(p.lab_delta_e));
+  }
+  // The kernel without a level of detail is the reference but for rounding; samplers are not, and get nearer.
+  EXPECT_LT(at(Method::closed_form, 0).rel_rmse, 1e-5);
+  EXPECT_EQ(at(Method::closed_form, 0).lab_delta_e, 0);
+  EXPECT_LT(at(Method::closed_form, 8).rel_rmse, at(Method::closed_form, 2).rel_rmse);
+  EXPECT_GT(at(Method::position_dependent, 16).rel_rmse, 1e-3);
+  EXPECT_LT(at(Method::position_dependent, 1000).rel_rmse, 0.3 * at(Method::position_dependent, 16).rel_rmse);
+  EXPECT_LT(at(Method::position_dependent, 1000).lab_delta_e, at(Method::position_dependent, 16).lab_delta_e);
+  EXPECT_GT(at(Method::far_field, 0).rel_rmse, 1e-3);
+
+  const auto stopped = climb_ladder(**bench, true, [](double, const std::string&) { return false; });
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().kind, ErrorKind::stopped);
+}
+
+TEST(EqualError, IsReadFromTheLadders) {
+  const auto point = [](Method method, double time_ms, double error) {
+    StudyPoint p{.method = method, .luminaire = "bike"};
+    p.time_ms = time_ms;
+    p.rel_rmse = error;
+    return p;
+  };
+  // Error falls as 1/√time: 0.5 % at 400 ms, 0.1 % at 10 s, beyond the ladder.
+  const std::vector<StudyPoint> points{
+      point(Method::closed_form, 8, 1e-7), point(Method::closed_form, 4, 4e-3), point(Method::closed_form, 2, 0.03),
+      point(Method::position_dependent, 100, 0.01), point(Method::position_dependent, 1600, 0.0025)};
+  const auto rows = equal_error_rows(points, "bike");
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_NEAR(rows[0].ours, 100, 1e-6);
+  EXPECT_EQ(rows[0].what.find("beyond"), std::string::npos);
+  EXPECT_NEAR(rows[1].ours, 1250, 1e-6);
+  EXPECT_NE(rows[1].what.find("beyond"), std::string::npos);
+  EXPECT_TRUE(equal_error_rows(points, "car1").empty());
+}
+
+}  // namespace
+}  // namespace lumifield
