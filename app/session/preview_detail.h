@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "app/session/learned_cost.h"
+
 namespace lumifield {
 
 /// How finely a picture is made. Value type.
@@ -12,8 +14,8 @@ struct PreviewDetail {
   bool operator==(const PreviewDetail&) const = default;
 };
 
-/// What a picture takes, learned from those made: pixels · (drawing and showing + cells · summing). Coarse and full
-/// ones apart, since small pictures pay more for each pixel. Thread-bound.
+/// What a picture takes: to draw it, to sum each cell and to show it has a fixed part and one for each pixel, learned
+/// from those made. Coarse and full ones apart. Thread-bound.
 class PreviewCosts {
  public:
   void drawn(PreviewDetail detail, double pixels, double seconds);
@@ -24,16 +26,19 @@ class PreviewCosts {
   double picture_s(PreviewDetail detail, double pixels, int cells) const;
   double cell_s(PreviewDetail detail, double pixels) const;
 
-  /// The finest that takes no longer than `seconds`, or the coarsest there is. `before` is kept while it nearly fits.
+  /// The finest that takes no longer than `seconds`, or the coarsest there is. So that detail does not flicker, one
+  /// finer than `before` has to fit well, and `before` nearly.
   PreviewDetail finest_within(double seconds, double full_pixels, int cells, PreviewDetail before) const;
 
  private:
-  struct Rates {
-    double draw, sum, show;  ///< seconds for each pixel; sum: and cell
+  struct Costs {
+    LearnedCost draw, cell, show;
   };
   /// Two cores with PoCL and llvmpipe, until measured. Coarse, full.
-  std::array<Rates, 2> rates_{Rates{2e-7, 1e-7, 2e-8}, Rates{2e-7, 1e-7, 2e-8}};
-  const Rates& of(PreviewDetail detail) const { return rates_[detail.full() ? 1 : 0]; }
+  std::array<Costs, 2> costs_{Costs{{1e-3, 1e-7}, {2e-4, 3e-8}, {1e-4, 3e-8}},
+                              Costs{{1e-3, 1e-7}, {2e-4, 5e-8}, {1e-4, 3e-8}}};
+  Costs& of(PreviewDetail detail) { return costs_[detail.full() ? 1 : 0]; }
+  const Costs& of(PreviewDetail detail) const { return costs_[detail.full() ? 1 : 0]; }
 };
 
 /// Whether cells that wait for a full picture are to be shown coarsely first. That costs the full one all its cells

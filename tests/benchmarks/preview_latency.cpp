@@ -153,13 +153,17 @@ void orbit(Bench& bench, const SceneCamera& camera) {
   }
   const std::vector<Frame> frames = bench.rest();
   std::vector<double> gaps, widths;
+  int changes = 0;
   for (std::size_t k = 1; k < frames.size(); ++k) {
     gaps.push_back(ms(frames[k].at - frames[k - 1].at));
     widths.push_back(frames[k].width_px);
+    changes += frames[k].width_px != frames[k - 1].width_px;
   }
-  std::printf("orbiting: %.1f pictures a second, %.0f ms from one to the next (median; p95 %.0f), %.0f pixels wide\n",
-              1e3 * static_cast<double>(gaps.size()) / ms(frames.back().at - frames.front().at), quantile(gaps, 0.5),
-              quantile(gaps, 0.95), quantile(widths, 0.5));
+  std::printf(
+      "orbiting: %.1f pictures a second, %.0f ms from one to the next (median; p95 %.0f), %.0f pixels wide "
+      "(median; %d changes)\n",
+      1e3 * static_cast<double>(gaps.size()) / ms(frames.back().at - frames.front().at), quantile(gaps, 0.5),
+      quantile(gaps, 0.95), quantile(widths, 0.5), changes);
 }
 
 bool measure(int width, int height) {
