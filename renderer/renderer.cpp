@@ -49,7 +49,7 @@ struct Renderer::Impl {
   std::vector<std::shared_ptr<const CellImage>> cells;   ///< by Sampling::flat, null while unmeasured
   std::vector<std::shared_ptr<const CellImage>> summed;  ///< as they are in the device's sums
   std::set<int> waiting;                                 ///< where cells and summed differ
-  bool cleared = false;                                  ///< the device has the view's receivers
+  bool handed_over = false;                              ///< the device has the view's receivers
   double receiver_s = 0;                                 ///< of the last cells: time for a cell and receiver
   std::vector<double> irradiance;
 
@@ -60,24 +60,30 @@ struct Renderer::Impl {
   double receivers() const {
     return static_cast<double>(gbuffer.position.size()) / 4 * static_cast<double>(placements.size());
   }
-  Status clear();
+  void clear();
+  Status hand_over();
   Status keep(CellIndex cell, std::shared_ptr<const CellImage> image);
   Status sum(const std::vector<int>& flats);
   Status sum(std::size_t count);
   Status add(const std::vector<int>& flats);
 };
 
-/// Hands the device the receivers of the present view; all cells wait.
-Status Renderer::Impl::clear() {
-  cleared = false;
+/// All cells wait.
+void Renderer::Impl::clear() {
+  handed_over = false;
   summed.assign(cells.size(), nullptr);
   waiting.clear();
   for (std::size_t k = 0; k < cells.size(); ++k)
     if (cells[k]) waiting.insert(static_cast<int>(k));
+}
+
+Status Renderer::Impl::hand_over() {
+  if (const Status ready = need_luminaire(); !ready || handed_over) return ready;
+  clear();
   if (const Status detailed = device->set_lod(lod); !detailed) return detailed;
   const Receivers receivers = receivers_of(gbuffer, placements);
   const Status set = device->set_receivers(receivers.p, receivers.n);
-  cleared = set.has_value();
+  handed_over = set.has_value();
   return set;
 }
 
@@ -93,8 +99,7 @@ Status Renderer::Impl::keep(CellIndex cell, std::shared_ptr<const CellImage> ima
 
 /// The first `count` that wait: in the grid's order, in which the cells of a row share work.
 Status Renderer::Impl::sum(std::size_t count) {
-  if (!cleared)
-    if (const Status set = clear(); !set) return set;
+  if (const Status handed = hand_over(); !handed) return handed;
   std::vector<int> flats;
   for (auto next = waiting.begin(); next != waiting.end() && flats.size() < count; ++next) flats.push_back(*next);
   return sum(flats);
@@ -106,7 +111,7 @@ Status Renderer::Impl::sum(const std::vector<int>& flats) {
   const Status added = add(flats);
   // A device that failed in the midst has sums of no known cells.
   if (!added) {
-    cleared = false;
+    handed_over = false;
     return added;
   }
   for (const int flat : flats) {
@@ -175,7 +180,8 @@ Status Renderer::set_luminaire(const LuminaireGeometry& geometry) {
   impl_->cells.assign(static_cast<std::size_t>(geometry.sampling.cells()), nullptr);
   impl_->info.opencl = impl_->device->device_name();
   impl_->receiver_s = 0;
-  return impl_->clear();
+  impl_->clear();
+  return {};
 }
 
 Status Renderer::set_view(const SceneCamera& camera, int width_px, int height_px, double lod) {
@@ -185,8 +191,11 @@ Status Renderer::set_view(const SceneCamera& camera, int width_px, int height_px
   if (!gbuffer) return tl::unexpected(gbuffer.error());
   impl_->gbuffer = std::move(*gbuffer);
   impl_->lod = lod;
-  return impl_->device ? impl_->clear() : Status{};
+  impl_->clear();
+  return {};
 }
+
+Status Renderer::hand_over() { return impl_->hand_over(); }
 
 Status Renderer::keep_cell(CellIndex cell, std::shared_ptr<const CellImage> image) {
   return impl_->keep(cell, std::move(image));
@@ -205,7 +214,7 @@ Status Renderer::add_all(const LightField& light_field) {
   for (int k = 0; k < impl_->geometry->sampling.cells(); ++k)
     if (auto image = light_field.cell(impl_->geometry->sampling.index(k)))
       impl_->cells[static_cast<std::size_t>(k)] = std::move(image);
-  if (const Status cleared = impl_->clear(); !cleared) return cleared;
+  impl_->clear();
   return impl_->sum(impl_->cells.size());
 }
 
@@ -234,9 +243,7 @@ Result<Picture> Renderer::picture() {
 }
 
 Result<Picture> Renderer::picture_so_far() {
-  if (const Status ready = impl_->need_luminaire(); !ready) return tl::unexpected(ready.error());
-  if (!impl_->cleared)
-    if (const Status cleared = impl_->clear(); !cleared) return tl::unexpected(cleared.error());
+  if (const Status handed = impl_->hand_over(); !handed) return tl::unexpected(handed.error());
   if (const Status read = impl_->device->read(impl_->irradiance); !read) return tl::unexpected(read.error());
   const std::size_t pixels = impl_->gbuffer.position.size() / 4;
   Picture picture{impl_->gbuffer.width_px, impl_->gbuffer.height_px, std::vector<float>(3 * pixels),

@@ -22,7 +22,7 @@ struct RendererInfo {
 /// to the running sum of irradiance. Diffuse and unshadowed.
 ///
 /// A cell is kept, then summed; kept ones wait after a change of view, and picture() sums what waits. Who must not be
-/// held up sums them in slices (sum_some) and asks for a picture when none waits.
+/// held up hands a view over, sums in slices (sum_some) and asks for a picture when none waits.
 class Renderer {
  public:
   /// Errors: no EGL context, no OpenCL device, the mesh's, a scene without a luminaire or with a pose that is not
@@ -37,6 +37,8 @@ class Renderer {
   /// Another view: draws it and clears the sums, so that all cells wait. A view that is refused leaves all as it was.
   /// `lod` is the closed form's level of detail T, pixels per support and axis; 0 is exact.
   Status set_view(const SceneCamera& camera, int width_px, int height_px, double lod = 0);
+  /// Hands the view's receivers to the device, unless it has them: what sums or reads would do first.
+  Status hand_over();
 
   /// Adds or replaces one cell; the image is kept for changes of view. Where others wait, it waits with them. After an
   /// error of the device all cells wait.

@@ -1,5 +1,6 @@
 #include "app/session/live_preview.h"
 
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <sys/resource.h>
@@ -39,8 +40,8 @@ struct LivePreview::Impl {
   std::mutex mutex;
   std::condition_variable_any came;
   PreviewCommands commands;
-  bool has_luminaire = false;
-  std::jthread thread;  ///< the last, so that it ends before what it uses
+  std::atomic<std::uint64_t> luminaire = 0;  ///< written under the mutex
+  std::jthread thread;                       ///< the last, so that it ends before what it uses
 };
 
 /// False when the thread is to end.
@@ -90,15 +91,16 @@ void LivePreview::set_scene(Scene scene) {
 
 void LivePreview::set_luminaire(LuminaireGeometry geometry) {
   impl_->command([&](PreviewCommands& commands) {
-    commands.luminaire = std::move(geometry);
+    commands.luminaire = {std::move(geometry), ++impl_->luminaire};
     commands.cells.clear();
-    impl_->has_luminaire = true;
   });
 }
 
+std::uint64_t LivePreview::luminaire() const { return impl_->luminaire; }
+
 void LivePreview::add(CellIndex cell, std::shared_ptr<const CellImage> image) {
   impl_->command([&](PreviewCommands& commands) {
-    if (impl_->has_luminaire)
+    if (impl_->luminaire > 0)
       commands.cells.push_back({cell, std::move(image), PreviewWorker::Clock::now()});
     else
       commands.refused.push_back(cell);

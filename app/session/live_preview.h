@@ -27,12 +27,14 @@ struct PreviewFrame {
   std::shared_ptr<const Picture> radiance;  ///< the values behind it
   PreviewLook look;
   SceneCamera camera;
-  double scale_top = 0;      ///< luminance at the false-colour scale's end, dataset's unit
-  double average = 0;        ///< L̄ that the tone curve took
-  int cells = 0, total = 0;  ///< in the picture, and of the grid
-  bool coarse = false;       ///< fewer pixels or a coarser level of detail than asked for, while the view moves
-  double sum_s = 0;          ///< seconds spent on adding cells since the last frame
-  double show_s = 0;         ///< seconds spent on shading and tone mapping
+  double scale_top = 0;         ///< luminance at the false-colour scale's end, dataset's unit
+  double average = 0;           ///< L̄ that the tone curve took
+  int cells = 0, total = 0;     ///< in the picture, and of the grid
+  bool coarse = false;          ///< fewer pixels or a coarser level of detail than asked for, while the view moves
+  std::uint64_t luminaire = 0;  ///< LivePreview::luminaire of its cells
+  double draw_s = 0;            ///< seconds spent on drawing the view and handing it over; 0 for that of the last frame
+  double sum_s = 0;             ///< seconds spent on adding cells since the last frame
+  double show_s = 0;            ///< seconds spent on shading and tone mapping
   /// When the oldest cell that this picture is the first to hold was handed in; the epoch when it holds no new one.
   std::chrono::steady_clock::time_point handed_in{};
 };
@@ -74,6 +76,8 @@ class LivePreview {
   void set_scene(Scene scene);
   /// Forgets all cells.
   void set_luminaire(LuminaireGeometry geometry);
+  /// The number of the last set_luminaire, from 1; 0 before it. A frame of another number is late: not to be shown.
+  std::uint64_t luminaire() const;
   /// Adds or replaces one. The image is kept while the luminaire is. A cell before set_luminaire is refused by
   /// `failed`.
   void add(CellIndex cell, std::shared_ptr<const CellImage> image);

@@ -17,8 +17,12 @@ struct PreviewCommands {
     std::shared_ptr<const CellImage> image;
     std::chrono::steady_clock::time_point handed_in;
   };
+  struct Luminaire {
+    LuminaireGeometry geometry;
+    std::uint64_t number = 0;  ///< LivePreview::luminaire
+  };
   std::optional<Scene> scene;
-  std::optional<LuminaireGeometry> luminaire;  ///< comes before the cells
+  std::optional<Luminaire> luminaire;  ///< comes before the cells
   std::vector<Cell> cells;
   std::vector<CellIndex> refused;  ///< came before a luminaire
   std::optional<SceneCamera> camera;

@@ -54,8 +54,9 @@ void PreviewWorker::take_scene(const Scene& scene) {
   if (geometry_) light();
 }
 
-void PreviewWorker::take_luminaire(const LuminaireGeometry& geometry) {
-  geometry_ = geometry;
+void PreviewWorker::take_luminaire(const PreviewCommands::Luminaire& luminaire) {
+  geometry_ = luminaire.geometry;
+  luminaire_ = luminaire.number;
   cells_.clear();
   fresh_.clear();
   last_.reset();

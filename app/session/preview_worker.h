@@ -9,9 +9,9 @@ namespace lumifield {
 
 /// What the render thread does, in pieces of at most some 0.1 s: `take` what has come, `step`, wait as `step` says.
 ///
-/// A view is first drawn, then its cells are summed, then it is shown; a newer view starts anew at any of these. The
-/// sums have caught up when none of the view's cells waited once; from then on a picture may be shown while more wait.
-/// Thread-bound.
+/// A view is first drawn, then handed over, then its cells are summed, then it is shown; a newer view starts anew at
+/// any of these. The sums have caught up when none of the view's cells waited once; from then on a picture may be shown
+/// while more wait. Thread-bound.
 class PreviewWorker {
  public:
   using Clock = std::chrono::steady_clock;
@@ -38,7 +38,7 @@ class PreviewWorker {
   // preview_worker.cpp
   static bool same(const View& a, const View& b);
   void take_scene(const Scene& scene);
-  void take_luminaire(const LuminaireGeometry& geometry);
+  void take_luminaire(const PreviewCommands::Luminaire& luminaire);
   void take_cell(PreviewCommands::Cell cell);
   void light();
   void report(const Error& error);
@@ -51,6 +51,7 @@ class PreviewWorker {
   bool all_in() const { return static_cast<int>(cells_.size()) == geometry_->sampling.cells(); }
   bool caught_up() const { return renderer_->waiting() == 0 || caught_up_; }
   void draw(PreviewDetail detail);
+  void hand_over();
   void sum();
   void show();
   void show_again();
@@ -67,6 +68,7 @@ class PreviewWorker {
 
   // What is wanted.
   std::optional<LuminaireGeometry> geometry_;
+  std::uint64_t luminaire_ = 0;
   std::map<CellIndex, std::shared_ptr<const CellImage>> cells_;
   View view_;
   bool moving_ = false, scan_ = false;
@@ -80,13 +82,14 @@ class PreviewWorker {
   std::optional<PreviewDetail> drawn_;  ///< empty before anything is
   View drawn_view_;
   bool hasty_ = false;  ///< coarse, or of a camera that moves: made at one go
+  bool handed_over_ = false;
   bool caught_up_ = false;
   bool dirty_ = false;  ///< drawn or summed since the last frame
   std::shared_ptr<const PreviewFrame> last_;
   Clock::time_point last_frame_at_{}, last_cell_at_{};
   int burst_ = 0;  ///< cells since the full picture was begun, no two of them a moment apart
   std::map<CellIndex, Clock::time_point> fresh_;  ///< in no frame yet: when handed in
-  double sum_s_ = 0;                              ///< since the last frame
+  double draw_s_ = 0, sum_s_ = 0;                 ///< since the last frame
   double coarse_took_s_ = 0;                      ///< the last coarse picture, all in all
   double worked_s_ = 0;                           ///< since the last rest
   bool framed_ = false;                           ///< this step handed one out

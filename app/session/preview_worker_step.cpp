@@ -51,7 +51,7 @@ PreviewWorker::Next PreviewWorker::work() {
   }
   if (!renderer_ || !lit_ || stuck_) return {};
 
-  // Draw, sum or show: what comes next. A hasty picture is made to its end, since newer views come faster.
+  // Draw, hand over, sum or show: what comes next. A hasty picture is made to its end, since newer views come faster.
   const bool under_way = drawn_ && hasty_ && dirty_;
   const PreviewDetail detail = under_way ? *drawn_ : detail_wanted(now);
   if (!under_way && (view_changed_ || drawn_ != detail)) {
@@ -59,6 +59,10 @@ PreviewWorker::Next PreviewWorker::work() {
     const Clock::time_point begin = due() - seconds(coarse_took_s_);
     if (moving_ && now < begin) return {begin, begin};
     draw(detail);
+    return {{}, Clock::now()};
+  }
+  if (!handed_over_) {
+    hand_over();
     return {{}, Clock::now()};
   }
   const bool waits = renderer_->waiting() > 0;
@@ -113,8 +117,18 @@ void PreviewWorker::draw(PreviewDetail detail) {
   caught_up_ = renderer_->waiting() == 0;
   dirty_ = true;
   burst_ = 0;
-  coarse_took_s_ = detail.full() ? coarse_took_s_ : seconds_since(start);
-  costs_.drawn(detail, view_.pixels() / (detail.divisor * detail.divisor), seconds_since(start));
+  handed_over_ = false;
+  draw_s_ = seconds_since(start);
+  if (hasty_) hand_over();
+}
+
+void PreviewWorker::hand_over() {
+  const Clock::time_point start = Clock::now();
+  if (const Status handed = renderer_->hand_over(); !handed) return stop_at(handed.error());
+  handed_over_ = true;
+  draw_s_ += seconds_since(start);
+  if (!drawn_->full()) coarse_took_s_ = draw_s_;
+  costs_.drawn(*drawn_, drawn_view_.pixels() / (drawn_->divisor * drawn_->divisor), draw_s_);
 }
 
 void PreviewWorker::sum() {
@@ -139,7 +153,9 @@ void PreviewWorker::show() {
   frame.camera = drawn_view_.camera;
   frame.cells = renderer_->summed();
   frame.total = geometry_->sampling.cells();
+  frame.luminaire = luminaire_;
   frame.coarse = !drawn_->full();
+  frame.draw_s = std::exchange(draw_s_, 0);
   frame.sum_s = std::exchange(sum_s_, 0);
   Clock::time_point oldest = Clock::time_point::max();
   for (auto cell = fresh_.begin(); cell != fresh_.end();) {
@@ -160,7 +176,7 @@ void PreviewWorker::show() {
 /// The last picture with another look.
 void PreviewWorker::show_again() {
   PreviewFrame frame = *last_;
-  frame.sum_s = 0;
+  frame.draw_s = frame.sum_s = 0;
   frame.handed_in = {};
   hand_out(std::move(frame), Clock::now());
 }

@@ -96,7 +96,9 @@ void PreviewPanel::set_tab_order() {
 }
 
 void PreviewPanel::connect_to(PreviewInbox& inbox, LivePreview& live) {
-  connect(&inbox, &PreviewInbox::frame, this, &PreviewPanel::show_frame);
+  connect(&inbox, &PreviewInbox::frame, this, [this, &live](const std::shared_ptr<const PreviewFrame>& frame) {
+    if (frame->luminaire == live.luminaire()) show_frame(frame);
+  });
   connect(&inbox, &PreviewInbox::ready, this, &PreviewPanel::show_ready);
   connect(&inbox, &PreviewInbox::failed, this, &PreviewPanel::show_failure);
   // The inbox's end ends what is told to the render thread too.

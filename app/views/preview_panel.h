@@ -28,8 +28,8 @@ class PreviewPanel : public QWidget {
  public:
   explicit PreviewPanel(QWidget* parent = nullptr);
 
-  /// Shows what the render thread says, and tells it camera, size and look from now on. Both outlive the panel's use of
-  /// them.
+  /// Shows what the render thread says, but late frames of a former luminaire, and tells it camera, size and look from
+  /// now on. Both outlive the panel's use of them.
   void connect_to(PreviewInbox& inbox, LivePreview& live);
 
   /// Scene files to choose from, besides those opened.

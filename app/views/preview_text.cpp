@@ -4,7 +4,7 @@
 
 namespace lumifield {
 QString progress_text(const PreviewFrame& frame) {
-  const double ms = 1000 * (frame.sum_s + frame.show_s);
+  const double ms = 1000 * (frame.draw_s + frame.sum_s + frame.show_s);
   QString text = QString("%1 of %2 cells · picture %3 ms").arg(frame.cells).arg(frame.total).arg(ms, 0, 'f', 0);
   if (frame.coarse) text += " · coarse";
   return text;

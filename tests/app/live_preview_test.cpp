@@ -192,6 +192,7 @@ TEST_F(LivePreviewTest, FramesAreTheRenderersPicturesOfTheSameCells) {
     EXPECT_EQ(frame->total, all_);
     EXPECT_GT(frame->handed_in, before);
     EXPECT_GT(frame->sum_s, 0);
+    EXPECT_EQ(frame->luminaire, 1U);
     EXPECT_EQ(frame->average, average_luminance(*frame->radiance));
     EXPECT_EQ(frame->shown.srgb, tone_map(*frame->radiance, frame->look.tone).srgb);
   }
@@ -271,6 +272,7 @@ TEST_F(LivePreviewTest, AMovingCameraGetsCoarsePicturesAndTheFullOneWhenItRests)
   const FramePtr full =
       told_.frame([&](const PreviewFrame& f) { return !f.coarse && f.camera.position_mm.x() == 200; });
   ASSERT_NE(full, nullptr);
+  EXPECT_GT(full->draw_s, 0) << "the first of its view";
   EXPECT_EQ(full->radiance->width_px, width);
   EXPECT_EQ(full->cells, all_);
 }
@@ -347,6 +349,7 @@ TEST_F(LivePreviewTest, ALookShowsAgainWithoutSumming) {
   const FramePtr bright = told_.frame([](const PreviewFrame& f) { return f.look.tone.exposure == 0.1 * 50; });
   ASSERT_NE(bright, nullptr);
   EXPECT_EQ(bright->radiance, first->radiance) << "the same values";
+  EXPECT_EQ(bright->draw_s, 0);
   EXPECT_EQ(bright->sum_s, 0);
   EXPECT_EQ(bright->handed_in.time_since_epoch().count(), 0);
   EXPECT_EQ(bright->shown.srgb, tone_map(*first->radiance, {5, 0}).srgb);
@@ -427,7 +430,10 @@ TEST_F(LivePreviewTest, CellsThatDoNotFitAreRefused) {
   const std::size_t from = told_.frames();
   live->set_luminaire(geometry_);
   live->add({0, 0}, image_of(geometry_, 0));
-  ASSERT_NE(told_.full(1, from), nullptr);
+  const FramePtr again = told_.full(1, from);
+  ASSERT_NE(again, nullptr);
+  EXPECT_EQ(live->luminaire(), 3U);
+  EXPECT_EQ(again->luminaire, 3U);
 }
 
 TEST_F(LivePreviewTest, WhatACallbackThrowsIsReportedAndTheThreadLives) {

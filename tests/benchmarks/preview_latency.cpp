@@ -43,7 +43,7 @@ struct Frame {
   bool error = false;
   int cells = 0, width_px = 0;
   bool coarse = false;
-  double sum_s = 0, show_s = 0;
+  double draw_s = 0, sum_s = 0, show_s = 0;
   Vec3 position_mm{0, 0, 0};
   Clock::time_point at;
 };
@@ -53,8 +53,8 @@ class Bench {
  public:
   Bench()
       : live({[this](std::shared_ptr<const PreviewFrame> frame) {
-                note({false, frame->cells, frame->radiance->width_px, frame->coarse, frame->sum_s, frame->show_s,
-                      frame->camera.position_mm, Clock::now()});
+                note({false, frame->cells, frame->radiance->width_px, frame->coarse, frame->draw_s, frame->sum_s,
+                      frame->show_s, frame->camera.position_mm, Clock::now()});
                 shown_ = std::move(frame);
               },
               {},
@@ -128,7 +128,7 @@ void add_cells(Bench& bench, const std::vector<std::shared_ptr<const CellImage>>
 }
 
 void change_views(Bench& bench, const SceneCamera& camera) {
-  std::vector<double> coarse, full;
+  std::vector<double> coarse, full, draw;
   for (int k = 1; k <= 5; ++k) {
     const SceneCamera moved = orbited(camera, 7.0 * k);
     const auto of_view = [&](const Frame& f) { return f.position_mm == moved.position_mm; };
@@ -138,9 +138,12 @@ void change_views(Bench& bench, const SceneCamera& camera) {
     coarse.push_back(ms(got.at - start));
     if (got.coarse) got = bench.next([&](const Frame& f) { return of_view(f) && !f.coarse; });
     full.push_back(ms(got.at - start));
+    draw.push_back(1e3 * got.draw_s);
   }
-  std::printf("another view: first picture after %.0f ms, full one after %.0f ms (medians of %zu)\n",
-              quantile(coarse, 0.5), quantile(full, 0.5), full.size());
+  std::printf(
+      "another view: first picture after %.0f ms, full one after %.0f ms, of it drawing and handing over %.0f "
+      "(medians of %zu)\n",
+      quantile(coarse, 0.5), quantile(full, 0.5), quantile(draw, 0.5), full.size());
 }
 
 /// The camera moves 60 times a second for 6 s.

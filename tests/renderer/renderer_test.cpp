@@ -230,6 +230,16 @@ TEST_F(RendererTest, ANewViewsCellsAreSummedInSlices) {
   EXPECT_EQ(renderer->waiting(), 0);
   EXPECT_LT(difference(fresh(scene_, field), *renderer->picture()), 1e-6);
 
+  // A view that is handed over by itself waits all the same, and one that comes then starts anew.
+  ASSERT_TRUE(renderer->set_view(scene_.camera, width, height));
+  ASSERT_TRUE(renderer->hand_over());
+  ASSERT_TRUE(renderer->hand_over()) << "the second does nothing";
+  EXPECT_EQ(renderer->waiting(), 6);
+  EXPECT_THAT(renderer->picture_so_far()->rgb, testing::Each(0.0F));
+  EXPECT_EQ(difference(fresh(scene_, field), *renderer->picture()), 0);
+  ASSERT_TRUE(renderer->hand_over());
+  EXPECT_EQ(renderer->waiting(), 0) << "the sums stay";
+
   // A view between two slices starts anew.
   ASSERT_TRUE(renderer->set_view(scene_.camera, width, height));
   ASSERT_TRUE(renderer->sum_some(1e-9));

@@ -17,6 +17,7 @@
 
 #include "app/views/elided_label.h"
 #include "app/views/preview_look_bar.h"
+#include "app/views/preview_thread.h"
 #include "app/views/preview_view.h"
 #include "app/views/scene_menu.h"
 #include "app/views/value_spin_box.h"
@@ -211,6 +212,28 @@ TEST_F(PreviewPanelTest, AsksForTheFileWithoutHoldingTheWindow) {
   EXPECT_FALSE(save->isEnabled());
   panel.save_picture(folder.filePath("b.png").toStdString());
   EXPECT_EQ(noticed.last().at(0).value<OperatorNotice>().level, OperatorNotice::Level::fault);
+}
+
+TEST_F(PreviewPanelTest, ALateFrameOfAFormerLuminaireIsNotShown) {
+  PreviewThread thread;
+  panel.connect_to(thread, thread.live());
+  const auto arrives = [&](int cells, std::uint64_t luminaire) {
+    PreviewFrame frame = preview_frame(40, 30);
+    frame.cells = cells;
+    frame.luminaire = luminaire;
+    thread.callbacks().frame(std::make_shared<const PreviewFrame>(std::move(frame)));
+    QApplication::processEvents();
+  };
+  thread.live().set_luminaire(preview_luminaire());
+  arrives(11, 1);
+  EXPECT_EQ(panel.view().frame()->cells, 11);
+  thread.live().set_luminaire(preview_luminaire());
+  panel.set_luminaire(preview_luminaire());
+  arrives(12, 1);
+  EXPECT_EQ(panel.view().frame(), nullptr);
+  arrives(1, 2);
+  ASSERT_NE(panel.view().frame(), nullptr);
+  EXPECT_EQ(panel.view().frame()->cells, 1);
 }
 
 TEST_F(PreviewPanelTest, EveryControlSaysWhatItIs) {
