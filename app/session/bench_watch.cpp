@@ -50,10 +50,11 @@ struct Kept {
 }  // namespace
 
 BenchWatch::BenchWatch(std::optional<Bench> bench, double exposure_s, std::shared_ptr<BenchView> view,
-                       std::unique_ptr<BenchWatch> before)
+                       std::unique_ptr<BenchWatch> before, BenchDevices devices)
     : bench_(std::move(bench)),
       exposure_s_(exposure_s),
       view_(std::move(view)),
+      devices_(std::move(devices)),
       before_(std::move(before)),
       thread_([this](std::stop_token stop) { run(stop); }) {}
 
@@ -70,14 +71,14 @@ void BenchWatch::run(std::stop_token stop) {
   std::condition_variable_any pause;
   while (!stop.stop_requested()) {
     const auto next = Clock::now() + picture_every;
-    if (stage.ready([this] { return open_stage(bench_->stage); }, show_stage)) {
+    if (stage.ready([this] { return devices_.stage(bench_->stage); }, show_stage)) {
       const Result<Vec2> position = guarded("stage", [&] { return stage.device->position(); });
       if (position)
         view_->set_stage_mm(*position);
       else
         stage.fail(position.error(), show_stage);
     }
-    if (!stop.stop_requested() && camera.ready([this] { return open_camera(bench_->camera); }, show_camera)) {
+    if (!stop.stop_requested() && camera.ready([this] { return devices_.camera(bench_->camera); }, show_camera)) {
       const Status shown = guarded("camera", [&]() -> Status {
         Result<RawImage> frame = camera.device->expose(exposure_s_);
         if (!frame) return tl::unexpected(frame.error());

@@ -5,6 +5,7 @@
 #include <optional>
 #include <thread>
 
+#include "app/session/bench_devices.h"
 #include "app/session/bench_view.h"
 #include "luminaire/bench.h"
 
@@ -17,7 +18,7 @@ class BenchWatch {
  public:
   /// Begins once `before` has let go of its devices, in the new thread. Without a bench that is all it does.
   BenchWatch(std::optional<Bench> bench, double exposure_s, std::shared_ptr<BenchView> view,
-             std::unique_ptr<BenchWatch> before = nullptr);
+             std::unique_ptr<BenchWatch> before = nullptr, BenchDevices devices = {});
   /// Joins: up to an exposure, and some seconds when the camera's link is lost.
   ~BenchWatch();
 
@@ -29,6 +30,7 @@ class BenchWatch {
   const std::optional<Bench> bench_;
   std::atomic<double> exposure_s_;
   const std::shared_ptr<BenchView> view_;
+  const BenchDevices devices_;
   std::unique_ptr<BenchWatch> before_;
   std::jthread thread_;
 };

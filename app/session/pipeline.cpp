@@ -62,10 +62,10 @@ Status scan(const ScanRequest& request, const ScanPlan& steps, const std::option
             Pipeline& pipeline, BenchOutcome& outcome) {
   BenchView unseen;
   BenchView& view = request.bench_view ? *request.bench_view : unseen;
-  auto camera = open_shown([&] { return open_camera(request.bench.camera); },
+  auto camera = open_shown([&] { return request.devices.camera(request.bench.camera); },
                            [&](DeviceView now) { view.set_camera(std::move(now)); });
   if (!camera) return tl::unexpected(camera.error());
-  auto stage = open_shown([&] { return open_stage(request.bench.stage); },
+  auto stage = open_shown([&] { return request.devices.stage(request.bench.stage); },
                           [&](DeviceView now) { view.set_stage(std::move(now)); });
   if (!stage) return tl::unexpected(stage.error());
   outcome.camera = name_of((*camera)->info());

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "acquisition/scan/scanner.h"
+#include "app/session/bench_devices.h"
 #include "app/session/bench_view.h"
 #include "app/session/bounded_queue.h"
 #include "luminaire/bench.h"
@@ -32,6 +33,7 @@ struct ScanRequest {
   int preview_width_px = 1024, preview_height_px = 768;
   std::vector<double> picture_shares;     ///< a picture is made when this share of the cells is in, 0 … 1
   std::shared_ptr<BenchView> bench_view;  ///< told what the bench sees, when given
+  BenchDevices devices;
 };
 
 /// Where the session's own time went, seconds, one figure per cell.

@@ -17,7 +17,7 @@ void with(std::mutex& mutex, const std::unique_ptr<ScanSession>& session, Call c
 
 }  // namespace
 
-ScanController::ScanController(QObject* parent) : QObject(parent) {
+ScanController::ScanController(BenchDevices devices, QObject* parent) : QObject(parent), devices_(std::move(devices)) {
   qRegisterMetaType<ScanProgress>();
   qRegisterMetaType<OperatorNotice>();
 }
@@ -42,7 +42,7 @@ void ScanController::watch(const std::optional<Bench>& bench, double exposure_s)
 
 /// Watches the bench until the next scan. A watch that ends may wait for its camera: not on this thread.
 void ScanController::rest() {
-  watch_ = std::make_unique<BenchWatch>(watched_, watch_exposure_s_, bench_view_, std::move(watch_));
+  watch_ = std::make_unique<BenchWatch>(watched_, watch_exposure_s_, bench_view_, std::move(watch_), devices_);
 }
 
 void ScanController::start(const ScanRequest& request) {
@@ -54,6 +54,7 @@ void ScanController::start(const ScanRequest& request) {
   if (thread_.joinable()) thread_.join();  // it has ended
   ScanRequest mine = request;
   mine.bench_view = bench_view_;
+  mine.devices = devices_;
   thread_ =
       std::jthread([this, mine = std::move(mine), old = std::shared_ptr<BenchWatch>(std::move(watch_))]() mutable {
         old.reset();  // the devices are free

@@ -20,7 +20,7 @@ class ScanController : public QObject {
   Q_OBJECT
 
  public:
-  explicit ScanController(QObject* parent = nullptr);
+  explicit ScanController(BenchDevices devices = {}, QObject* parent = nullptr);
   /// Stops a scan that runs and waits for its end: call only when the window closes.
   ~ScanController() override;
 
@@ -64,6 +64,7 @@ class ScanController : public QObject {
 
   ScanActivity activity_ = ScanActivity::idle;
   ScanProgress progress_;
+  const BenchDevices devices_;
   std::shared_ptr<BenchView> bench_view_ = std::make_shared<BenchView>();
   std::optional<Bench> watched_;
   double watch_exposure_s_ = 0;

@@ -92,11 +92,12 @@ class CameraDouble final : public Camera {
     if (frames == fail_at_frame) return fail("the camera is gone", "camera", "check its cable");
     clock.now += exposure_s + readout_s;
     RawImage image;
-    image.width_px = 8, image.height_px = 4;
+    image.width_px = camera_info.sensor_width_px, image.height_px = camera_info.sensor_height_px;
     image.exposure_s = exposure_s;
     image.frame_id = static_cast<std::uint64_t>(frames);
     const double dn = black_dn + (signal_dn_per_s ? signal_dn_per_s(stage.at) : 0) * exposure_s;
-    image.dn.assign(32, static_cast<std::uint16_t>(std::clamp(dn, 0.0, 4095.0)));
+    image.dn.assign(static_cast<std::size_t>(image.width_px) * static_cast<std::size_t>(image.height_px),
+                    static_cast<std::uint16_t>(std::clamp(dn, 0.0, 4095.0)));
     return image;
   }
   int frames_retaken() const override { return 0; }
