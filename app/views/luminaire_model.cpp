@@ -1,6 +1,8 @@
 #include "app/views/luminaire_model.h"
 
 #include <QStringList>
+#include <mutex>
+#include <thread>
 #include <utility>
 
 #include "app/session/guarded.h"
@@ -23,7 +25,10 @@ QStringList texts(const std::vector<std::string>& all) {
 
 LuminaireModel::LuminaireModel(QObject* parent) : QObject(parent) {}
 
-LuminaireModel::~LuminaireModel() { stop_loading(); }
+LuminaireModel::~LuminaireModel() {
+  give_up(opening_);
+  give_up(arriving_);
+}
 
 const LuminaireModel::Cell* LuminaireModel::cell(CellIndex index) const {
   const auto found = cells_.find(index);
@@ -39,7 +44,8 @@ LuminaireModel::State LuminaireModel::state(CellIndex index) const {
 }
 
 void LuminaireModel::reset(const LuminaireGeometry& geometry, const QString& name) {
-  stop_loading();
+  give_up(opening_);
+  give_up(arriving_);
   geometry_ = geometry;
   name_ = name;
   cells_.clear();
@@ -88,66 +94,89 @@ void LuminaireModel::set_waiting(const std::set<CellIndex>& cells) {
     if (!before.contains(cell)) emit stateChanged(cell);
 }
 
-void LuminaireModel::stop_loading() {
-  ++load_number_;
-  is_loading_ = false;
-  if (!loading_.joinable()) return;
-  loading_.request_stop();
-  loading_.join();  // at most the reading of one cell
+/// A load's way back to the model.
+struct LuminaireModel::Load {
+  explicit Load(LuminaireModel* owner) : model(owner) {}
+
+  bool given_up() {
+    const std::lock_guard lock(mutex);
+    return !model;
+  }
+  /// `take` gets the model on the GUI thread, unless the load is given up by then.
+  template <class Take>
+  void post(const LoadPointer& self, Take take) {
+    const std::lock_guard lock(mutex);
+    if (!model) return;
+    QMetaObject::invokeMethod(
+        model,
+        [self, take = std::move(take)] {
+          if (self->model) take(*self->model);  // null by the GUI thread alone
+        },
+        Qt::QueuedConnection);
+  }
+
+  std::mutex mutex;
+  LuminaireModel* model;  ///< null once given up
+};
+
+void LuminaireModel::give_up(LoadPointer& load) {
+  const LoadPointer given_up = std::exchange(load, nullptr);
+  if (!given_up) return;
+  const std::lock_guard lock(given_up->mutex);
+  given_up->model = nullptr;
 }
 
 void LuminaireModel::load(const std::filesystem::path& folder) {
-  stop_loading();
-  is_loading_ = true;
-  loading_ = std::jthread([this, folder, number = load_number_](std::stop_token stop) {
-    // What arrives after a newer load or a reset is not taken.
-    const auto post = [this, number](auto&& take) {
-      QMetaObject::invokeMethod(
-          this,
-          [this, number, take = std::forward<decltype(take)>(take)] {
-            if (number == load_number_) take();
-          },
-          Qt::QueuedConnection);
-    };
-    const auto give_up = [&](const Error& error) {
-      post([this, message = text(error.message())] {
-        is_loading_ = false;
-        emit loadFailed(message);
-      });
-    };
-    const Result<DatasetIndex> index = guarded("opening", [&] { return read_dataset_index(folder); });
-    if (!index) return give_up(index.error());
-    // Every cell's image is kept.
-    if (const Status fits = check_preview_memory(index->manifest.geometry, physical_memory_bytes()); !fits)
-      return give_up(fits.error());
-    post([this, geometry = index->manifest.geometry, name = text(index->manifest.name)] {
-      geometry_ = geometry;
-      name_ = name;
-      cells_.clear();
-      measuring_.reset();
-      waiting_.clear();
-      emit resetDone();
-      emit loadBegan();
+  give_up(opening_);
+  opening_ = std::make_shared<Load>(this);
+  std::thread([load = opening_, folder] { read(load, folder); }).detach();
+}
+
+void LuminaireModel::take_begun(const LoadPointer& load, const Manifest& manifest) {
+  give_up(arriving_);
+  arriving_ = load;
+  opening_.reset();
+  geometry_ = manifest.geometry;
+  name_ = text(manifest.name);
+  cells_.clear();
+  measuring_.reset();
+  waiting_.clear();
+  emit resetDone();
+  emit loadBegan();
+}
+
+/// On the load's thread.
+void LuminaireModel::read(const LoadPointer& load, const std::filesystem::path& folder) {
+  const auto fail = [&](const Error& error) {
+    load->post(load, [message = text(error.message())](LuminaireModel& model) {
+      model.opening_.reset();
+      emit model.loadFailed(message);
     });
-    QStringList notes = texts(index->notes);
-    for (const CellEntry& entry : index->manifest.cells) {
-      if (stop.stop_requested()) return;
-      Result<CellImage> image = guarded("opening", [&] { return read_cell(*index, entry); });
-      if (!image) {
-        notes << text(image.error().message());
-        continue;
-      }
-      image->variance = std::vector<float>();
-      if (entry.quality) image->quality = *entry.quality;
-      post([this, entry, shared = std::make_shared<const CellImage>(std::move(*image))] {
-        emit cellLoaded(entry.cell, shared);
-        put(entry, shared);
-      });
+  };
+  const Result<DatasetIndex> index = guarded("opening", [&] { return read_dataset_index(folder); });
+  if (!index) return fail(index.error());
+  // Every cell's image is kept.
+  if (const Status fits = check_preview_memory(index->manifest.geometry, physical_memory_bytes()); !fits)
+    return fail(fits.error());
+  load->post(load, [load, manifest = index->manifest](LuminaireModel& model) { model.take_begun(load, manifest); });
+  QStringList notes = texts(index->notes);
+  for (const CellEntry& entry : index->manifest.cells) {
+    if (load->given_up()) return;
+    Result<CellImage> image = guarded("opening", [&] { return read_cell(*index, entry); });
+    if (!image) {
+      notes << text(image.error().message());
+      continue;
     }
-    post([this, where = text(folder.string()), notes] {
-      is_loading_ = false;
-      emit loaded(where, notes);
+    image->variance = std::vector<float>();
+    if (entry.quality) image->quality = *entry.quality;
+    load->post(load, [entry, shared = std::make_shared<const CellImage>(std::move(*image))](LuminaireModel& model) {
+      emit model.cellLoaded(entry.cell, shared);
+      model.put(entry, shared);
     });
+  }
+  load->post(load, [where = text(folder.string()), notes](LuminaireModel& model) {
+    model.arriving_.reset();
+    emit model.loaded(where, notes);
   });
 }
 

@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <thread>
 
 #include "luminaire/dataset.h"
 
@@ -47,10 +46,13 @@ class LuminaireModel : public QObject {
   void set_measuring(std::optional<CellIndex> cell);
   void set_waiting(const std::set<CellIndex>& cells);
 
-  /// Reads a dataset in a thread of its own: resetDone, then cellChanged for each, then loaded or loadFailed. A load
-  /// under way is given up.
+  /// Reads a dataset in a thread of its own: resetDone and loadBegan, then cellChanged for each, then loaded; or
+  /// loadFailed, which changes nothing. A load under way goes on until this one begins. Of several that have not begun
+  /// the last counts. One that hangs is left behind: nothing waits for it.
   void load(const std::filesystem::path& folder);
-  bool loading() const { return is_loading_; }
+  /// One that has not begun.
+  void give_up_opening() { give_up(opening_); }
+  bool loading() const { return opening_ || arriving_; }
 
  signals:
   void resetDone();
@@ -66,16 +68,19 @@ class LuminaireModel : public QObject {
  private:
   void update_differences(CellIndex around);
   double difference(CellIndex index) const;
-  void stop_loading();
+  struct Load;
+  using LoadPointer = std::shared_ptr<Load>;
+  static void give_up(LoadPointer& load);
+  static void read(const LoadPointer& load, const std::filesystem::path& folder);
+  void take_begun(const LoadPointer& load, const Manifest& manifest);
 
   std::optional<LuminaireGeometry> geometry_;
   QString name_;
   std::map<CellIndex, Cell> cells_;
   std::optional<CellIndex> measuring_;
   std::set<CellIndex> waiting_;
-  std::jthread loading_;
-  std::uint64_t load_number_ = 0;
-  bool is_loading_ = false;
+  LoadPointer opening_;   ///< null but before a load begins
+  LoadPointer arriving_;  ///< null but while cells come
 };
 
 }  // namespace lumifield

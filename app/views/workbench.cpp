@@ -28,18 +28,16 @@ std::filesystem::path whole_path(const std::filesystem::path& path) {
 
 }  // namespace
 
-Workbench::Workbench(LivePreview& preview, QObject* parent) : QObject(parent), preview_(preview) {
+Workbench::Workbench(LivePreview& preview, BenchDevices devices, QObject* parent)
+    : QObject(parent), preview_(preview), scan_(std::move(devices)) {
   connect(&model_, &LuminaireModel::resetDone, this, &Workbench::changed);
   connect(&model_, &LuminaireModel::loadBegan, this, &Workbench::take_opened);
   connect(&model_, &LuminaireModel::cellLoaded, this,
           [this](CellIndex cell, std::shared_ptr<const CellImage> image) { preview_.add(cell, std::move(image)); });
-  connect(&model_, &LuminaireModel::loadFailed, this, [this](const QString& message) {
-    when_loaded_.reset();
-    report(OperatorNotice::Level::fault, message);
-  });
+  connect(&model_, &LuminaireModel::loadFailed, this, &Workbench::take_refused);
   connect(&model_, &LuminaireModel::loaded, this, [this](const QString&, const QStringList& notes) {
     for (const QString& note : notes) report(OperatorNotice::Level::warning, note);
-    if (auto retakes = std::exchange(when_loaded_, std::nullopt)) begin(std::move(*retakes));
+    go_on();
   });
 
   // The render thread gets the luminaire and its cells without a detour over this thread.
@@ -56,13 +54,13 @@ Workbench::Workbench(LivePreview& preview, QObject* parent) : QObject(parent), p
       Qt::DirectConnection);
 
   connect(&scan_, &ScanController::started, this, [this](const LuminaireGeometry& geometry, const QString&) {
-    folder_ = request_->out;
-    exists_ = true;
+    folder_ = opening_ = request_->out;
     if (!keep_cells_) model_.reset(geometry, text(request_->out.stem().string()));
     emit changed();
   });
   connect(&scan_, &ScanController::cellStored, this,
           [this](const CellEntry& entry, std::shared_ptr<const CellImage> image) {
+            exists_ = true;
             waiting_.erase(entry.cell);
             model_.put(entry, std::move(image));
           });
@@ -76,8 +74,6 @@ Workbench::Workbench(LivePreview& preview, QObject* parent) : QObject(parent), p
     model_.set_measuring(std::nullopt);
     waiting_.clear();
     model_.set_waiting({});
-    std::error_code ignored;  // a scan without a cell leaves no folder
-    exists_ = request_ && std::filesystem::exists(request_->out, ignored);
     emit changed();
   });
   connect(&scan_, &ScanController::noticed, this, &Workbench::noticed);
@@ -102,14 +98,6 @@ QString Workbench::why_not_retake() const {
       "and its folder first.");
 }
 
-/// `read` runs in a thread of its own; what it returns runs here.
-void Workbench::read_in_background(std::function<std::function<void()>()> read) {
-  reading_ = std::jthread([this, read = std::move(read), before = std::move(reading_)]() mutable {
-    if (before.joinable()) before.join();
-    QMetaObject::invokeMethod(this, read(), Qt::QueuedConnection);
-  });
-}
-
 void Workbench::open(const std::filesystem::path& folder) {
   if (scan_.busy()) {
     report(OperatorNotice::Level::warning, tr("%1 is not opened while a scan runs: stop the scan first, or open it in "
@@ -117,9 +105,9 @@ void Workbench::open(const std::filesystem::path& folder) {
                                                .arg(text(folder.string())));
     return;
   }
-  when_loaded_.reset();
   opening_ = whole_path(folder);
   model_.load(opening_);
+  emit changed();
 }
 
 /// What is asked for is a dataset: now it is the one shown.
@@ -134,9 +122,27 @@ void Workbench::take_opened() {
   emit changed();
 }
 
+/// What was to be opened cannot: all is as before.
+void Workbench::take_refused(const QString& message) {
+  const bool scans_there = request_ && opening_ == request_->out;
+  opening_ = folder_;
+  report(OperatorNotice::Level::fault, message);
+  if (scans_there && std::exchange(when_loaded_, std::nullopt)) {
+    waiting_.clear();
+    model_.set_waiting({});
+  }
+  if (!model_.loading()) go_on();
+  emit changed();
+}
+
+/// With the scan that waited for a luminaire.
+void Workbench::go_on() {
+  if (auto retakes = std::exchange(when_loaded_, std::nullopt)) begin(std::move(*retakes));
+}
+
 void Workbench::prepare(const std::filesystem::path& bench_file, const std::filesystem::path& plan_file,
                         const std::filesystem::path& out) {
-  read_in_background([this, bench_file, plan_file, out]() -> std::function<void()> {
+  request_files_.begin([this, bench_file, plan_file, out]() -> std::function<void()> {
     const auto refuse = [this](const Error& error) {
       return [this, message = text(error.message())] { report(OperatorNotice::Level::fault, message); };
     };
@@ -169,13 +175,16 @@ void Workbench::take_prepared(ScanRequest request, bool exists) {
   request_ = std::move(request);
   exists_ = exists;
   scan_.watch(request_->bench, live_exposure_s(request_->plan));
+  // What was asked for before and is not there yet does not come between.
+  model_.give_up_opening();
+  opening_ = folder_;
   if (exists_) open(request_->out);
   emit prepared();
   emit changed();
 }
 
 void Workbench::show_scene(const std::filesystem::path& file) {
-  read_in_background([this, file]() -> std::function<void()> {
+  scene_.begin([this, file]() -> std::function<void()> {
     auto scene = read_scene(file);
     if (!scene)
       return [this, message = text(scene.error().message())] { report(OperatorNotice::Level::fault, message); };

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <optional>
 #include <set>
-#include <thread>
 
 #include "app/session/live_preview.h"
+#include "app/views/latest_reading.h"
 #include "app/views/luminaire_model.h"
 #include "app/views/scan_controller.h"
 
@@ -20,7 +20,7 @@ class Workbench : public QObject {
   Q_OBJECT
 
  public:
-  explicit Workbench(LivePreview& preview, QObject* parent = nullptr);
+  explicit Workbench(LivePreview& preview, BenchDevices devices = {}, QObject* parent = nullptr);
   ~Workbench() override;
 
   LuminaireModel& model() { return model_; }
@@ -35,7 +35,7 @@ class Workbench : public QObject {
   /// The same for taking cells again.
   QString why_not_retake() const;
 
-  /// Shows a dataset, whole or half. Not while a scan runs.
+  /// Shows a dataset, whole or half; one that cannot be opened changes nothing but for a notice. Not while a scan runs.
   void open(const std::filesystem::path& folder);
   /// Takes a bench and a plan for the next scan, into `out`; what `out` holds already is shown and gone on with.
   /// `prepared` follows, or a notice of what is wrong.
@@ -61,18 +61,19 @@ class Workbench : public QObject {
   void take_prepared(ScanRequest request, bool exists);
   void begin(std::vector<CellIndex> retakes);
   void report(OperatorNotice::Level level, const QString& text) { emit noticed({level, text}); }
-  void read_in_background(std::function<std::function<void()>()> read);
+  void take_refused(const QString& message);
+  void go_on();
 
   LivePreview& preview_;
   LuminaireModel model_;
   ScanController scan_;
-  std::filesystem::path folder_, opening_;
+  std::filesystem::path folder_, opening_;  ///< the latter: asked for last, folder_ once it has begun
   std::optional<ScanRequest> request_;
   std::set<CellIndex> waiting_;
   std::atomic<bool> keep_cells_{false};                ///< the scan goes on with the luminaire that the preview holds
   bool exists_ = false;                                ///< the request's dataset is there
   std::optional<std::vector<CellIndex>> when_loaded_;  ///< begin with these
-  std::jthread reading_;
+  LatestReading scene_{this}, request_files_{this};
 };
 
 }  // namespace lumifield

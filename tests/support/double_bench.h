@@ -25,8 +25,9 @@ class DoubleBench {
   /// The camera refuses to open, until told otherwise.
   void refuse_camera(bool refuse) { refuse_ = refuse; }
   /// Holds the next openings, or exposures, back until let go.
-  void hold_opening(bool hold) { set(hold_opening_, hold); }
-  void hold_exposures(bool hold) { set(hold_exposures_, hold); }
+  void hold_opening(bool hold) { set(openings_left_, hold ? 0 : endless); }
+  void hold_exposures(bool hold) { set(exposures_left_, hold ? 0 : endless); }
+  void hold_exposures_after(int exposures) { set(exposures_left_, exposures); }
 
   int cameras_opened() const { return cameras_.opened; }
   int stages_opened() const { return stages_.opened; }
@@ -42,19 +43,20 @@ class DoubleBench {
       most = std::max<int>(most, ++open);
     }
   };
-  /// With a stage of its own before it.
+  /// Lit but where the opaque patch stands before the lamp.
   class Camera final : public lumifield::Camera {
    public:
     explicit Camera(DoubleBench& bench) : bench_(bench) {
       bench_.cameras_.up();
       double_.camera_info.sensor_width_px = bench.width_px_;
       double_.camera_info.sensor_height_px = bench.height_px_;
-      double_.signal_dn_per_s = [](const Vec2&) { return 1e5; };
+      double_.signal_dn_per_s = [](const Vec2& at) { return at.y() > 45 ? 0.0 : 5e4; };
     }
     ~Camera() override { --bench_.cameras_.open; }
     const CameraInfo& info() const override { return double_.info(); }
     Result<RawImage> expose(double exposure_s) override {
-      bench_.pass(bench_.hold_exposures_);
+      bench_.pass(bench_.exposures_left_);
+      stage_.at = bench_.stage_at();
       return double_.expose(exposure_s);
     }
     int frames_retaken() const override { return double_.frames_retaken(); }
@@ -71,7 +73,11 @@ class DoubleBench {
     ~Stage() override { --bench_.stages_.open; }
     const StageInfo& info() const override { return double_.info(); }
     Status home(std::stop_token stop) override { return double_.home(stop); }
-    Status move_to(const Vec2& target_mm, std::stop_token stop) override { return double_.move_to(target_mm, stop); }
+    Status move_to(const Vec2& target_mm, std::stop_token stop) override {
+      const Status moved = double_.move_to(target_mm, stop);
+      bench_.stage_stands(double_.at);
+      return moved;
+    }
     Result<Vec2> position() override { return double_.position(); }
     void halt() override { double_.halt(); }
 
@@ -82,27 +88,38 @@ class DoubleBench {
   };
 
   Result<std::unique_ptr<lumifield::Camera>> open_camera() {
-    pass(hold_opening_);
+    pass(openings_left_);
     if (refuse_) return fail("the camera does not answer", "camera", "check its cable");
     return std::make_unique<Camera>(*this);
   }
   Result<std::unique_ptr<lumifield::Stage>> open_stage() { return std::make_unique<Stage>(*this); }
-  void set(bool& gate, bool hold) {
+  void set(int& left, int now) {
     const std::lock_guard lock(mutex_);
-    gate = hold;
+    left = now;
     changed_.notify_all();
   }
-  void pass(const bool& gate) {
+  void pass(int& left) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return !gate; });
+    changed_.wait(lock, [&] { return left > 0; });
+    --left;
+  }
+  void stage_stands(const Vec2& at) {
+    const std::lock_guard lock(mutex_);
+    stage_at_ = at;
+  }
+  Vec2 stage_at() {
+    const std::lock_guard lock(mutex_);
+    return stage_at_;
   }
 
+  static constexpr int endless = 1 << 30;
   const int width_px_, height_px_;
   std::atomic<bool> refuse_ = false;
   Count cameras_, stages_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  bool hold_opening_ = false, hold_exposures_ = false;
+  int openings_left_ = endless, exposures_left_ = endless;
+  Vec2 stage_at_{0, 0};
 };
 
 }  // namespace lumifield::test
