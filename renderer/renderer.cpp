@@ -9,9 +9,8 @@
 #include <utility>
 
 #include "luminaire/dataset.h"
-#include "renderer/methods/closed_form.h"
-#include "renderer/opengl/gbuffer.h"
-#include "renderer/scene/mesh.h"
+#include "renderer/methods/host_method.h"
+#include "renderer/renderer_impl.h"
 #include "renderer/shading.h"
 
 namespace lumifield {
@@ -33,112 +32,6 @@ Status check_placements(const std::vector<ScenePlacement>& placements) {
 }
 
 }  // namespace
-
-struct Renderer::Impl {
-  // The context outlives what draws with it.
-  std::unique_ptr<EglContext> context;
-  std::unique_ptr<GBufferPass> pass;
-  std::vector<Material> materials;
-  std::vector<ScenePlacement> placements;
-  RendererInfo info;
-  GBuffer gbuffer;
-  double lod = 0;
-
-  std::optional<LuminaireGeometry> geometry;
-  std::unique_ptr<ClosedFormDevice> device;
-  std::vector<std::shared_ptr<const CellImage>> cells;   ///< by Sampling::flat, null while unmeasured
-  std::vector<std::shared_ptr<const CellImage>> summed;  ///< as they are in the device's sums
-  std::set<int> waiting;                                 ///< where cells and summed differ
-  bool handed_over = false;                              ///< the device has the view's receivers
-  double receiver_s = 0;                                 ///< of the last cells: time for a cell and receiver
-  std::vector<double> irradiance;
-
-  Status need_luminaire() const {
-    if (device) return {};
-    return fail("no luminaire is set", "renderer", "set one first");
-  }
-  double receivers() const {
-    return static_cast<double>(gbuffer.position.size()) / 4 * static_cast<double>(placements.size());
-  }
-  void clear();
-  Status hand_over();
-  Status keep(CellIndex cell, std::shared_ptr<const CellImage> image);
-  Status sum(const std::vector<int>& flats);
-  Status sum(std::size_t count);
-  Status add(const std::vector<int>& flats);
-};
-
-/// All cells wait.
-void Renderer::Impl::clear() {
-  handed_over = false;
-  summed.assign(cells.size(), nullptr);
-  waiting.clear();
-  for (std::size_t k = 0; k < cells.size(); ++k)
-    if (cells[k]) waiting.insert(static_cast<int>(k));
-}
-
-Status Renderer::Impl::hand_over() {
-  if (const Status ready = need_luminaire(); !ready || handed_over) return ready;
-  clear();
-  if (const Status detailed = device->set_lod(lod); !detailed) return detailed;
-  const Receivers receivers = receivers_of(gbuffer, placements);
-  const Status set = device->set_receivers(receivers.p, receivers.n);
-  handed_over = set.has_value();
-  return set;
-}
-
-Status Renderer::Impl::keep(CellIndex cell, std::shared_ptr<const CellImage> image) {
-  if (const Status ready = need_luminaire(); !ready) return ready;
-  if (!image) return fail("comes without an image", "cell " + to_string(cell), "measure the cell again");
-  if (const Status fits = check_cell(*geometry, cell, *image); !fits) return fits;
-  const int flat = geometry->sampling.flat(cell);
-  cells[static_cast<std::size_t>(flat)] = std::move(image);
-  waiting.insert(flat);
-  return {};
-}
-
-/// The first `count` that wait: in the grid's order, in which the cells of a row share work.
-Status Renderer::Impl::sum(std::size_t count) {
-  if (const Status handed = hand_over(); !handed) return handed;
-  std::vector<int> flats;
-  for (auto next = waiting.begin(); next != waiting.end() && flats.size() < count; ++next) flats.push_back(*next);
-  return sum(flats);
-}
-
-Status Renderer::Impl::sum(const std::vector<int>& flats) {
-  if (flats.empty()) return {};
-  const auto start = std::chrono::steady_clock::now();
-  const Status added = add(flats);
-  // A device that failed in the midst has sums of no known cells.
-  if (!added) {
-    handed_over = false;
-    return added;
-  }
-  for (const int flat : flats) {
-    summed[static_cast<std::size_t>(flat)] = cells[static_cast<std::size_t>(flat)];
-    waiting.erase(flat);
-  }
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  receiver_s = took.count() / (static_cast<double>(flats.size()) * std::max(receivers(), 1.0));
-  return {};
-}
-
-Status Renderer::Impl::add(const std::vector<int>& flats) {
-  std::vector<CellIndex> indices;
-  std::vector<const CellImage*> images;
-  for (const int flat : flats) {
-    const CellIndex index = geometry->sampling.index(flat);
-    const CellImage *image = cells[static_cast<std::size_t>(flat)].get(),
-                    *before = summed[static_cast<std::size_t>(flat)].get();
-    if (before || flats.size() == 1) {
-      if (const Status added = device->add_cell(index, *image, before); !added) return added;
-      continue;
-    }
-    indices.push_back(index);
-    images.push_back(image);
-  }
-  return indices.empty() ? Status{} : device->add_cells(indices, images);
-}
 
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Renderer::~Renderer() = default;
@@ -173,12 +66,25 @@ RendererInfo Renderer::info() const { return impl_->info; }
 Status Renderer::set_luminaire(const LuminaireGeometry& geometry) {
   if (geometry.channels.size() != 1 && geometry.channels.size() != 3)
     return fail(std::to_string(geometry.channels.size()) + " channels", "luminaire", "use Y, or R, G and B");
-  Result<std::unique_ptr<ClosedFormDevice>> device = ClosedFormDevice::create(geometry);
-  if (!device) return tl::unexpected(device.error());
-  impl_->geometry = geometry;
-  impl_->device = std::move(*device);
+  const std::optional<LuminaireGeometry> before = std::exchange(impl_->geometry, geometry);
+  if (const Status made = impl_->make_method(); !made) {
+    impl_->geometry = before;
+    return made;
+  }
   impl_->cells.assign(static_cast<std::size_t>(geometry.sampling.cells()), nullptr);
-  impl_->info.opencl = impl_->device->device_name();
+  impl_->receiver_s = 0;
+  impl_->clear();
+  return {};
+}
+
+Status Renderer::set_method(const MethodSettings& settings) {
+  if (const Status good = check_settings(settings); !good) return good;
+  const MethodSettings before = std::exchange(impl_->settings, settings);
+  if (!impl_->geometry) return {};
+  if (const Status made = impl_->make_method(); !made) {
+    impl_->settings = before;
+    return made;
+  }
   impl_->receiver_s = 0;
   impl_->clear();
   return {};
@@ -232,6 +138,7 @@ double Renderer::cell_s() const { return impl_->receiver_s * impl_->receivers();
 
 Status Renderer::sum_some(double seconds) {
   if (const Status ready = impl_->need_luminaire(); !ready) return ready;
+  if (impl_->method) return impl_->evaluate(seconds);
   const double fit = cell_s() > 0 ? seconds / cell_s() : 1;
   return impl_->sum(static_cast<std::size_t>(std::clamp(fit, 1.0, 1e6)));
 }
@@ -244,7 +151,8 @@ Result<Picture> Renderer::picture() {
 
 Result<Picture> Renderer::picture_so_far() {
   if (const Status handed = impl_->hand_over(); !handed) return tl::unexpected(handed.error());
-  if (const Status read = impl_->device->read(impl_->irradiance); !read) return tl::unexpected(read.error());
+  if (impl_->device)
+    if (const Status read = impl_->device->read(impl_->irradiance); !read) return tl::unexpected(read.error());
   const std::size_t pixels = impl_->gbuffer.position.size() / 4;
   Picture picture{impl_->gbuffer.width_px, impl_->gbuffer.height_px, std::vector<float>(3 * pixels),
                   std::vector<float>(pixels), left_out};
@@ -253,6 +161,9 @@ Result<Picture> Renderer::picture_so_far() {
   return picture;
 }
 
-double Renderer::last_kernel_s() const { return impl_->device ? impl_->device->last_kernel_s() : 0; }
+double Renderer::last_kernel_s() const {
+  if (impl_->method) return impl_->method->kernel_s();
+  return impl_->device ? impl_->device->last_kernel_s() : 0;
+}
 
 }  // namespace lumifield

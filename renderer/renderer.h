@@ -7,6 +7,7 @@
 #include "luminaire/error.h"
 #include "luminaire/light_field.h"
 #include "luminaire/scene.h"
+#include "renderer/methods/method.h"
 #include "renderer/picture.h"
 
 namespace lumifield {
@@ -19,7 +20,7 @@ struct RendererInfo {
 
 /// The live picture: a scene lit by the part of a luminaire that is measured. Thread-bound to the render thread, which
 /// owns its EGL context and OpenCL queue for life. OpenGL makes the G-buffer once per view or scene; OpenCL adds cells
-/// to the running sum of irradiance. Diffuse and unshadowed.
+/// to the running sum of irradiance, or computes it by another method. Diffuse and unshadowed.
 ///
 /// A cell is kept, then summed; kept ones wait after a change of view, and picture() sums what waits. Who must not be
 /// held up hands a view over, sums in slices (sum_some) and asks for a picture when none waits.
@@ -37,6 +38,11 @@ class Renderer {
   /// Another view: draws it and clears the sums, so that all cells wait. A view that is refused leaves all as it was.
   /// `lod` is the closed form's level of detail T, pixels per support and axis; 0 is exact.
   Status set_view(const SceneCamera& camera, int width_px, int height_px, double lod = 0);
+  /// Another way to compute the irradiance, the closed form until then; all cells wait. Of methods other than that the
+  /// cells share samples or tables: a cell that comes has all of them wait, and they are computed together, in pieces
+  /// of receivers. Errors: settings outside their range, a method that this device or luminaire cannot take; then all
+  /// stays.
+  Status set_method(const MethodSettings& settings);
   /// Hands the view's receivers to the device, unless it has them: what sums or reads would do first.
   Status hand_over();
 

@@ -55,7 +55,11 @@ CLI::Validator level_of_detail() {
   };
   return {fault, "PIXELS"};
 }
-CLI::Validator method_name() { return CLI::IsMember({"closed-form"}); }
+CLI::Validator method_name() {
+  std::vector<std::string> names;
+  for (const MethodInfo& each : methods()) names.emplace_back(each.name);
+  return CLI::IsMember(names);
+}
 
 CLI::Validator dataset_folder() {
   const auto fault = [](const std::string& text) {
@@ -83,18 +87,25 @@ void add_scan(CLI::App& app, ScanOptions& o) {
   scan->add_flag("--json", o.json, "Print the summary as one JSON object");
 }
 
-void add_lod(CLI::App& app, double& lod) {
-  app.add_option("--lod", lod, "Level of detail: pixels of an image per support of a cell and axis; 0 is exact")
+template <class Options>
+void add_method(CLI::App& app, Options& o) {
+  constexpr double most_samples = 1e8;
+  app.add_option("--method", o.method, "How the light is computed")->check(method_name())->capture_default_str();
+  app.add_option("--lod", o.lod,
+                 "closed-form: level of detail, pixels of an image per support of a cell and axis; 0 is exact")
       ->check(level_of_detail())
       ->capture_default_str();
+  app.add_option("--samples", o.samples, "Samples for each receiver; precomputed-lights: lights in all")
+      ->check(CLI::Range(1.0, most_samples))
+      ->capture_default_str();
+  app.add_option("--seed", o.seed, "Seed of the samples")->capture_default_str();
 }
 
 void add_render(CLI::App& app, RenderOptions& o) {
   CLI::App* render = app.add_subcommand("render", "Render one picture of a scene lit by a luminaire");
   render->add_option("--luminaire", o.luminaire, "Dataset folder")->required();
   render->add_option("--scene", o.scene, "Scene file")->required();
-  render->add_option("--method", o.method, "How the light is computed")->check(method_name())->capture_default_str();
-  add_lod(*render, o.lod);
+  add_method(*render, o);
   render->add_option("--size", o.size, "Picture size")->check(picture_size())->capture_default_str();
   render->add_option("--exposure", o.exposure, "Exposure of the tone curve (PNG)")
       ->check(CLI::PositiveNumber)
@@ -112,11 +123,10 @@ void add_probe(CLI::App& app, ProbeOptions& o) {
   probe->add_option("--luminaire", o.luminaire, "Dataset folder")->required();
   probe->add_option("--points", o.points, "CSV with columns x_mm,y_mm,z_mm,nx,ny,nz in the luminaire frame")
       ->required();
-  probe->add_option("--method", o.method, "How the light is computed")->check(method_name())->capture_default_str();
+  add_method(*probe, o);
   probe->add_option("--device", o.device, "host (double precision) or opencl")
       ->check(CLI::IsMember({"host", "opencl"}))
       ->capture_default_str();
-  add_lod(*probe, o.lod);
   probe
       ->add_option("--out", o.out,
                    "CSV to write: the same points with a column E_<channel> each; a file of that name is replaced")

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "luminaire/error.h"
+#include "renderer/methods/method.h"
 
 namespace lumifield {
 
@@ -26,14 +28,18 @@ int run_scan(const ScanOptions& options);
 struct RenderOptions {
   std::string luminaire, scene, method = "closed-form", size = "1024x768", out;
   double exposure = default_exposure, white = 0;
-  double lod = 0;  ///< pixels per support and axis, 0 exact
+  double lod = 0;        ///< pixels per support and axis, 0 exact
+  double samples = 200;  ///< K for each receiver, or lights in all
+  std::uint32_t seed = 1;
   bool json = false;
 };
 int run_render(const RenderOptions& options);
 
 struct ProbeOptions {
   std::string luminaire, points, method = "closed-form", device = "host", out;
-  double lod = 0;  ///< pixels per support and axis, 0 exact
+  double lod = 0;        ///< pixels per support and axis, 0 exact
+  double samples = 200;  ///< K for each receiver, or lights in all
+  std::uint32_t seed = 1;
   bool json = false;
 };
 int run_probe(const ProbeOptions& options);
@@ -49,6 +55,15 @@ struct DevicesOptions {
   bool json = false;
 };
 int run_devices(const DevicesOptions& options);
+
+/// Of --method, --lod, --samples and --seed, which were checked.
+template <class Options>
+MethodSettings method_settings(const Options& options) {
+  return {.method = method_from_string(options.method).value_or(Method::closed_form),
+          .lod = options.lod,
+          .samples = options.samples,
+          .seed = options.seed};
+}
 
 /// "1024x768" → width, height, each 1 … 16384.
 Result<std::pair<int, int>> parse_size(const std::string& text);

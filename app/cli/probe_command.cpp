@@ -1,4 +1,5 @@
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -6,34 +7,35 @@
 #include "app/cli/points_csv.h"
 #include "app/cli/print_result.h"
 #include "luminaire/dataset.h"
-#include "renderer/methods/closed_form.h"
+#include "renderer/methods/device_method.h"
+#include "renderer/methods/host_method.h"
 
 namespace lumifield {
 
 namespace {
 
-Result<std::vector<double>> probe_host(const LightField& light_field, const std::vector<Receiver>& points, double lod) {
-  const ClosedForm closed_form(light_field, lod);
+Result<std::vector<double>> probe_host(const LightField& light_field, const std::vector<Receiver>& points,
+                                       const MethodSettings& settings) {
+  const auto form = make_host_method(light_field, settings);
+  if (!form) return tl::unexpected(form.error());
   std::vector<double> irradiance;
-  for (const Receiver& point : points) {
-    const std::vector<double> e = closed_form.irradiance(point);
-    irradiance.insert(irradiance.end(), e.begin(), e.end());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const auto e = (*form)->irradiance(points[k], static_cast<std::uint32_t>(k));
+    if (!e) return fail_in("point " + std::to_string(k), e.error());
+    irradiance.insert(irradiance.end(), e->begin(), e->end());
   }
   return irradiance;
 }
 
 Result<std::vector<double>> probe_opencl_device(const LightField& light_field, const std::vector<Receiver>& points,
-                                                double lod) {
-  auto device = ClosedFormDevice::create(light_field.geometry());
-  if (!device) return tl::unexpected(device.error());
-  if (Status detailed = (*device)->set_lod(lod); !detailed) return tl::unexpected(detailed.error());
-  if (Status set = (*device)->set_receivers(points); !set) return tl::unexpected(set.error());
-  const Sampling& sampling = light_field.geometry().sampling;
-  for (int k = 0; k < sampling.cells(); ++k)
-    if (const auto image = light_field.cell(sampling.index(k)))
-      if (Status added = (*device)->add_cell(sampling.index(k), *image); !added) return tl::unexpected(added.error());
+                                                const MethodSettings& settings) {
+  auto method = make_device_method(light_field.geometry(), settings);
+  if (!method) return tl::unexpected(method.error());
+  if (Status set = (*method)->set_cells(light_field); !set) return tl::unexpected(set.error());
+  if (Status set = (*method)->set_receivers(points); !set) return tl::unexpected(set.error());
+  if (const auto done = (*method)->evaluate(HUGE_VAL); !done) return tl::unexpected(done.error());
   std::vector<double> irradiance;
-  if (Status read = (*device)->read(irradiance); !read) return tl::unexpected(read.error());
+  if (Status read = (*method)->read(irradiance); !read) return tl::unexpected(read.error());
   return irradiance;
 }
 
@@ -48,24 +50,21 @@ Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
     std::fprintf(stderr, "lumifield: note: %d of %d cells are unmeasured and add nothing\n",
                  coverage.total - coverage.measured, coverage.total);
 
+  const MethodSettings settings = method_settings(options);
   const auto start = std::chrono::steady_clock::now();
-  auto irradiance = options.device == "opencl" ? probe_opencl_device(dataset->light_field, *points, options.lod)
-                                               : probe_host(dataset->light_field, *points, options.lod);
+  auto irradiance = options.device == "opencl" ? probe_opencl_device(dataset->light_field, *points, settings)
+                                               : probe_host(dataset->light_field, *points, settings);
   if (!irradiance) return tl::unexpected(irradiance.error());
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   const LuminaireGeometry& geometry = dataset->light_field.geometry();
   if (Status written = write_points_csv(options.out, *points, geometry.channels, *irradiance); !written)
     return tl::unexpected(written.error());
-  return nlohmann::ordered_json{{"points", points->size()},
-                                {"method", options.method},
-                                {"device", options.device},
-                                {"lod", options.lod},
-                                {"unit", irradiance_unit_of(geometry.quantity)},
-                                {"cells", coverage.measured},
-                                {"cells_total", coverage.total},
-                                {"time_s", seconds},
-                                {"out", options.out}};
+  return nlohmann::ordered_json{{"points", points->size()},   {"method", options.method},
+                                {"device", options.device},   {"lod", options.lod},
+                                {"samples", options.samples}, {"unit", irradiance_unit_of(geometry.quantity)},
+                                {"cells", coverage.measured}, {"cells_total", coverage.total},
+                                {"time_s", seconds},          {"out", options.out}};
 }
 
 }  // namespace

@@ -33,6 +33,7 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   if (Status viewed = (*renderer)->set_view(scene->camera, size->first, size->second, options.lod); !viewed)
     return tl::unexpected(viewed.error());
   const auto start = std::chrono::steady_clock::now();
+  if (Status set = (*renderer)->set_method(method_settings(options)); !set) return tl::unexpected(set.error());
   if (Status set = (*renderer)->set_luminaire(dataset->light_field.geometry()); !set)
     return tl::unexpected(set.error());
   if (Status added = (*renderer)->add_all(dataset->light_field); !added) return tl::unexpected(added.error());
@@ -46,6 +47,7 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   return nlohmann::ordered_json{{"out", options.out},
                                 {"method", options.method},
                                 {"lod", options.lod},
+                                {"samples", options.samples},
                                 {"width_px", size->first},
                                 {"height_px", size->second},
                                 {"cells", coverage.measured},

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "renderer/methods/far_field_device.h"
+#include "renderer/methods/host_evaluation.h"
 #include "renderer/methods/host_method.h"
 #include "renderer/methods/image_sampler_device.h"
 #include "renderer/methods/precomputed_lights_device.h"
@@ -83,9 +84,9 @@ Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry
     case Method::far_field:
       return as_method(FarFieldDevice::create(geometry, settings));
     case Method::reference:
-      break;
+      return std::make_unique<HostEvaluation>(geometry, settings);
   }
-  return fail("runs on the host alone", std::string(to_string(settings.method)), "choose closed-form");
+  return fail("is none that there is", "method", "choose another");
 }
 
 }  // namespace lumifield

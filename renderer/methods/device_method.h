@@ -11,7 +11,7 @@
 
 namespace lumifield {
 
-/// A method as OpenCL kernels: the cells and the receivers are set, then the irradiance of all receivers is computed
+/// A method that computes many receivers, as OpenCL kernels: the cells and the receivers are set, then the irradiance of all receivers is computed
 /// from all cells, in pieces where the caller must not be held up. Compared with its host form (HostMethod) by tests.
 /// Thread-bound to its creator.
 class DeviceMethod {
@@ -36,7 +36,7 @@ class DeviceMethod {
   virtual double kernel_s() const = 0;
 };
 
-/// Errors: no OpenCL device, settings outside their range, the method `reference`, which is the host's alone.
+/// The reference runs on the host. Errors: no OpenCL device, settings outside their range.
 Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry& geometry,
                                                          const MethodSettings& settings);
 

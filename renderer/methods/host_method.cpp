@@ -1,6 +1,7 @@
 #include "renderer/methods/host_method.h"
 
 #include <cmath>
+#include <mutex>
 
 #include "renderer/methods/far_field.h"
 #include "renderer/methods/position_dependent.h"
@@ -30,7 +31,7 @@ LightField absolute(const LightField& light_field) {
 /// The closed form in the methods' role; the reference is that without a level of detail.
 class ClosedFormMethod final : public HostMethod {
  public:
-  ClosedFormMethod(const LightField& light_field, double lod) : exact_(light_field), magnitude_(absolute(light_field)) {
+  ClosedFormMethod(const LightField& light_field, double lod) : light_field_(light_field), exact_(light_field) {
     if (lod > 0) coarse_ = std::make_unique<ClosedForm>(light_field, lod);
   }
 
@@ -41,15 +42,19 @@ class ClosedFormMethod final : public HostMethod {
   /// Rounding, and of a level of detail what it differs from the exact sum.
   Result<Estimate> estimate(const Receiver& receiver, std::uint32_t) const override {
     constexpr double rounding = 1e-10;
+    std::call_once(once_, [this] { magnitude_ = std::make_unique<ClosedForm>(absolute(light_field_)); });
     const std::vector<double> exact = exact_.irradiance(receiver);
-    Estimate result{coarse_ ? coarse_->irradiance(receiver) : exact, magnitude_.irradiance(receiver)};
+    Estimate result{coarse_ ? coarse_->irradiance(receiver) : exact, magnitude_->irradiance(receiver)};
     for (std::size_t c = 0; c < exact.size(); ++c)
       result.stated_error[c] = rounding * result.stated_error[c] + std::abs(result.irradiance[c] - exact[c]);
     return result;
   }
 
  private:
-  ClosedForm exact_, magnitude_;
+  LightField light_field_;
+  ClosedForm exact_;
+  mutable std::once_flag once_;
+  mutable std::unique_ptr<ClosedForm> magnitude_;  ///< of |C|, made when an error is first asked for
   std::unique_ptr<ClosedForm> coarse_;
 };
 

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "renderer/methods/closed_form.h"
+#include "renderer/methods/device_method.h"
+#include "renderer/opengl/gbuffer.h"
+#include "renderer/renderer.h"
+#include "renderer/scene/mesh.h"
+
+namespace lumifield {
+
+/// What a Renderer holds, and how its irradiance comes about: of the closed form cell by cell, of other methods by an
+/// evaluation of all cells, in pieces of receivers, after which none waits.
+struct Renderer::Impl {
+  // The context outlives what draws with it.
+  std::unique_ptr<EglContext> context;
+  std::unique_ptr<GBufferPass> pass;
+  std::vector<Material> materials;
+  std::vector<ScenePlacement> placements;
+  RendererInfo info;
+  GBuffer gbuffer;
+  double lod = 0;
+
+  std::optional<LuminaireGeometry> geometry;
+  MethodSettings settings;
+  std::unique_ptr<ClosedFormDevice> device;  ///< of the closed form, else null
+  std::unique_ptr<DeviceMethod> method;      ///< of the others, else null
+  bool method_has_cells = false;
+  std::vector<std::shared_ptr<const CellImage>> cells;   ///< by Sampling::flat, null while unmeasured
+  std::vector<std::shared_ptr<const CellImage>> summed;  ///< as they are in the device's sums
+  std::set<int> waiting;                                 ///< where cells and summed differ
+  bool handed_over = false;                              ///< the device has the view's receivers
+  double receiver_s = 0;                                 ///< of the last cells: time for a cell and receiver
+  std::vector<double> irradiance;  ///< of the closed form as read last, of the others of the last evaluation
+
+  Status need_luminaire() const {
+    if (device || method) return {};
+    return fail("no luminaire is set", "renderer", "set one first");
+  }
+  double receivers() const {
+    return static_cast<double>(gbuffer.position.size()) / 4 * static_cast<double>(placements.size());
+  }
+  void clear();
+  Status hand_over();
+  Status keep(CellIndex cell, std::shared_ptr<const CellImage> image);
+  Status sum(const std::vector<int>& flats);
+  Status sum(std::size_t count);
+  Status add(const std::vector<int>& flats);
+  Status make_method();
+  Status give_cells();
+  Status evaluate(double seconds);
+};
+
+}  // namespace lumifield

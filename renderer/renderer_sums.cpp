@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "renderer/renderer_impl.h"
+#include "renderer/shading.h"
+
+namespace lumifield {
+
+namespace {
+
+std::vector<Receiver> as_receivers(const Receivers& seen) {
+  std::vector<Receiver> receivers;
+  receivers.reserve(seen.p.size() / 4);
+  for (std::size_t k = 0; k < seen.p.size(); k += 4)
+    receivers.push_back({{seen.p[k], seen.p[k + 1], seen.p[k + 2]}, {seen.n[k], seen.n[k + 1], seen.n[k + 2]}});
+  return receivers;
+}
+
+}  // namespace
+
+/// All cells wait.
+void Renderer::Impl::clear() {
+  handed_over = false;
+  summed.assign(cells.size(), nullptr);
+  waiting.clear();
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    if (cells[k]) waiting.insert(static_cast<int>(k));
+}
+
+Status Renderer::Impl::hand_over() {
+  if (const Status ready = need_luminaire(); !ready || handed_over) return ready;
+  clear();
+  const Receivers seen = receivers_of(gbuffer, placements);
+  if (method) {
+    irradiance.assign(seen.p.size() / 4 * geometry->channels.size(), 0.0);
+    const Status set = method->set_receivers(as_receivers(seen));
+    handed_over = set.has_value();
+    return set;
+  }
+  if (const Status detailed = device->set_lod(lod); !detailed) return detailed;
+  const Status set = device->set_receivers(seen.p, seen.n);
+  handed_over = set.has_value();
+  return set;
+}
+
+Status Renderer::Impl::keep(CellIndex cell, std::shared_ptr<const CellImage> image) {
+  if (const Status ready = need_luminaire(); !ready) return ready;
+  if (!image) return fail("comes without an image", "cell " + to_string(cell), "measure the cell again");
+  if (const Status fits = check_cell(*geometry, cell, *image); !fits) return fits;
+  const int flat = geometry->sampling.flat(cell);
+  cells[static_cast<std::size_t>(flat)] = std::move(image);
+  if (method) {
+    method_has_cells = false;
+    for (std::size_t k = 0; k < cells.size(); ++k)
+      if (cells[k]) waiting.insert(static_cast<int>(k));
+  }
+  waiting.insert(flat);
+  return {};
+}
+
+/// The first `count` that wait: in the grid's order, in which the cells of a row share work.
+Status Renderer::Impl::sum(std::size_t count) {
+  if (method) return evaluate(HUGE_VAL);
+  if (const Status handed = hand_over(); !handed) return handed;
+  std::vector<int> flats;
+  for (auto next = waiting.begin(); next != waiting.end() && flats.size() < count; ++next) flats.push_back(*next);
+  return sum(flats);
+}
+
+Status Renderer::Impl::sum(const std::vector<int>& flats) {
+  if (flats.empty()) return {};
+  const auto start = std::chrono::steady_clock::now();
+  const Status added = add(flats);
+  // A device that failed in the midst has sums of no known cells.
+  if (!added) {
+    handed_over = false;
+    return added;
+  }
+  for (const int flat : flats) {
+    summed[static_cast<std::size_t>(flat)] = cells[static_cast<std::size_t>(flat)];
+    waiting.erase(flat);
+  }
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  receiver_s = took.count() / (static_cast<double>(flats.size()) * std::max(receivers(), 1.0));
+  return {};
+}
+
+Status Renderer::Impl::add(const std::vector<int>& flats) {
+  std::vector<CellIndex> indices;
+  std::vector<const CellImage*> images;
+  for (const int flat : flats) {
+    const CellIndex index = geometry->sampling.index(flat);
+    const CellImage *image = cells[static_cast<std::size_t>(flat)].get(),
+                    *before = summed[static_cast<std::size_t>(flat)].get();
+    if (before || flats.size() == 1) {
+      if (const Status added = device->add_cell(index, *image, before); !added) return added;
+      continue;
+    }
+    indices.push_back(index);
+    images.push_back(image);
+  }
+  return indices.empty() ? Status{} : device->add_cells(indices, images);
+}
+
+/// For the luminaire and the settings that are set.
+Status Renderer::Impl::make_method() {
+  handed_over = false;
+  if (settings.method == Method::closed_form) {
+    auto made = ClosedFormDevice::create(*geometry);
+    if (!made) return tl::unexpected(made.error());
+    device = std::move(*made);
+    method.reset();
+    info.opencl = device->device_name();
+    return {};
+  }
+  auto made = make_device_method(*geometry, settings);
+  if (!made) return tl::unexpected(made.error());
+  method = std::move(*made);
+  device.reset();
+  method_has_cells = false;
+  info.opencl = method->device_name();
+  return {};
+}
+
+Status Renderer::Impl::give_cells() {
+  LightField kept(*geometry);
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    if (cells[k])
+      if (const Status added = kept.add(geometry->sampling.index(static_cast<int>(k)), cells[k]); !added) return added;
+  const Status given = method->set_cells(kept);
+  method_has_cells = given.has_value();
+  return given;
+}
+
+/// Goes on for about `seconds`; when all receivers are done no cell waits.
+Status Renderer::Impl::evaluate(double seconds) {
+  if (waiting.empty()) return {};
+  if (const Status handed = hand_over(); !handed) return handed;
+  if (!method_has_cells)
+    if (const Status given = give_cells(); !given) return given;
+  const auto done = method->evaluate(seconds);
+  if (!done) {
+    handed_over = false;
+    return tl::unexpected(done.error());
+  }
+  if (!*done) return {};
+  if (const Status read = method->read(irradiance); !read) return read;
+  receiver_s = method->kernel_s() / (static_cast<double>(waiting.size()) * std::max(receivers(), 1.0));
+  summed = cells;
+  waiting.clear();
+  return {};
+}
+
+}  // namespace lumifield
