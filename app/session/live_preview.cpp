@@ -118,6 +118,10 @@ void LivePreview::set_size(int width_px, int height_px) {
   impl_->command([&](PreviewCommands& commands) { commands.size_px = {width_px, height_px}; });
 }
 
+void LivePreview::set_method(const MethodSettings& method) {
+  impl_->command([&](PreviewCommands& commands) { commands.method = method; });
+}
+
 void LivePreview::set_look(const PreviewLook& look) {
   impl_->command([&](PreviewCommands& commands) { commands.look = look; });
 }

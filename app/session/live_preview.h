@@ -27,6 +27,7 @@ struct PreviewFrame {
   std::shared_ptr<const Picture> radiance;  ///< the values behind it
   PreviewLook look;
   SceneCamera camera;
+  MethodSettings method;        ///< that computed the irradiance
   double scale_top = 0;         ///< luminance at the false-colour scale's end, dataset's unit
   double average = 0;           ///< L̄ that the tone curve took
   int cells = 0, total = 0;     ///< in the picture, and of the grid
@@ -85,6 +86,8 @@ class LivePreview {
   /// Size of the full picture, 1024x768 until then.
   void set_size(int width_px, int height_px);
   void set_look(const PreviewLook& look);
+  /// How the irradiance is computed, by the closed form until then. A method that is refused leaves the one before.
+  void set_method(const MethodSettings& method);
   void set_scan_running(bool running);
 
  private:

@@ -29,10 +29,11 @@ struct PreviewCommands {
   std::optional<bool> moving;
   std::optional<std::pair<int, int>> size_px;
   std::optional<PreviewLook> look;
+  std::optional<MethodSettings> method;
   std::optional<bool> scan_running;
 
   bool any() const {
-    return scene || luminaire || !cells.empty() || !refused.empty() || camera || moving || size_px || look ||
+    return scene || luminaire || !cells.empty() || !refused.empty() || camera || moving || size_px || look || method ||
            scan_running;
   }
 };

@@ -17,9 +17,11 @@ bool PreviewWorker::same(const View& a, const View& b) {
 
 void PreviewWorker::take(PreviewCommands commands) {
   // A look alone does not ask for another try.
-  if (commands.scene || commands.luminaire || !commands.cells.empty() || commands.camera || commands.size_px)
+  if (commands.scene || commands.luminaire || !commands.cells.empty() || commands.camera || commands.size_px ||
+      commands.method)
     stuck_ = false;
   if (commands.scene) take_scene(*commands.scene);
+  if (commands.method) take_method(*commands.method);
   if (commands.luminaire) take_luminaire(*commands.luminaire);
   for (PreviewCommands::Cell& cell : commands.cells) take_cell(std::move(cell));
   for (const CellIndex cell : commands.refused)
@@ -50,6 +52,7 @@ void PreviewWorker::take_scene(const Scene& scene) {
   Result<std::unique_ptr<Renderer>> renderer = Renderer::create(scene, 64, 48);
   if (!renderer) return report(renderer.error());
   renderer_ = std::move(*renderer);
+  if (const Status set = renderer_->set_method(method_); !set) report(set.error());
   if (callbacks_.ready) callbacks_.ready(renderer_->info());
   if (geometry_) light();
 }
@@ -62,6 +65,16 @@ void PreviewWorker::take_luminaire(const PreviewCommands::Luminaire& luminaire) 
   last_.reset();
   last_error_.clear();
   if (renderer_) light();
+}
+
+/// What another method costs is learned anew.
+void PreviewWorker::take_method(const MethodSettings& method) {
+  if (renderer_)
+    if (const Status set = renderer_->set_method(method); !set) return report(set.error());
+  method_ = method;
+  costs_ = {};
+  last_error_.clear();
+  view_changed_ = true;
 }
 
 /// Hands the renderer the luminaire and its cells.

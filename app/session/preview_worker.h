@@ -41,6 +41,7 @@ class PreviewWorker {
   void take_luminaire(const PreviewCommands::Luminaire& luminaire);
   void take_cell(PreviewCommands::Cell cell);
   void light();
+  void take_method(const MethodSettings& method);
   void report(const Error& error);
 
   // preview_worker_step.cpp
@@ -73,6 +74,7 @@ class PreviewWorker {
   View view_;
   bool moving_ = false, scan_ = false;
   PreviewLook look_;
+  MethodSettings method_;
 
   // What there is.
   std::unique_ptr<Renderer> renderer_;
@@ -89,6 +91,7 @@ class PreviewWorker {
   Clock::time_point last_frame_at_{}, last_cell_at_{};
   int burst_ = 0;  ///< cells since the full picture was begun, no two of them a moment apart
   std::map<CellIndex, Clock::time_point> fresh_;  ///< in no frame yet: when handed in
+  double unlearned_s_ = 0;                        ///< spent on cells that wait all the same
   double draw_s_ = 0, sum_s_ = 0;                 ///< since the last frame
   double coarse_took_s_ = 0;                      ///< the last coarse picture, all in all
   double worked_s_ = 0;                           ///< since the last rest

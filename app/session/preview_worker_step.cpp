@@ -118,6 +118,7 @@ void PreviewWorker::draw(PreviewDetail detail) {
   dirty_ = true;
   burst_ = 0;
   handed_over_ = false;
+  unlearned_s_ = 0;
   draw_s_ = seconds_since(start);
   if (hasty_) hand_over();
 }
@@ -134,14 +135,18 @@ void PreviewWorker::hand_over() {
 void PreviewWorker::sum() {
   const Clock::time_point start = Clock::now();
   const int before = renderer_->waiting();
-  if (const Status summed = renderer_->sum_some(hasty_ ? 1e9 : pace_.slice); !summed) return stop_at(summed.error());
+  if (const Status done = renderer_->sum_some(hasty_ ? 1e9 : pace_.slice); !done) return stop_at(done.error());
   caught_up_ = caught_up();
   dirty_ = true;
   const double took_s = seconds_since(start);
   sum_s_ += took_s;
   if (!drawn_->full()) coarse_took_s_ += took_s;
-  costs_.summed(*drawn_, drawn_view_.pixels() / (drawn_->divisor * drawn_->divisor), before - renderer_->waiting(),
-                took_s);
+  // Methods that compute all cells together end their waiting with the last piece.
+  unlearned_s_ += took_s;
+  const int summed = before - renderer_->waiting();
+  if (summed > 0)
+    costs_.summed(*drawn_, drawn_view_.pixels() / (drawn_->divisor * drawn_->divisor), summed,
+                  std::exchange(unlearned_s_, 0));
 }
 
 void PreviewWorker::show() {
@@ -151,6 +156,7 @@ void PreviewWorker::show() {
   PreviewFrame frame;
   frame.radiance = std::make_shared<const Picture>(std::move(*picture));
   frame.camera = drawn_view_.camera;
+  frame.method = method_;
   frame.cells = renderer_->summed();
   frame.total = geometry_->sampling.cells();
   frame.luminaire = luminaire_;
