@@ -6,9 +6,10 @@
 namespace lumifield {
 
 /// How a cumulative function that is linear between whole numbers is inverted (Lu, Pacanowski, Granier 2015, Sec. 5).
-/// The modified secant looks next where a line through the ends of the bracket crosses y, and stops when the bracket
-/// lies within one linear piece, where the line is exact. A step of it that does not halve the bracket is followed by
-/// one of bisection, so that no shape of the function costs more than twice the steps of bisection.
+/// The modified secant looks where a line through the ends of the bracket crosses y, at both ends of the linear piece
+/// there, and has ended when that piece reaches y, where the line is exact. A step of it that does not halve the
+/// bracket is followed by one of bisection, so that no shape of the function costs more than twice the steps of
+/// bisection.
 enum class Inversion { secant, bisection };
 
 /// Steps after which every search has ended.
@@ -18,7 +19,7 @@ inline constexpr int whole_depth = 64;
 struct CdfBracket {
   double low, high;
   double at_low, at_high;
-  int steps = 0;  ///< evaluations done
+  int steps = 0;  ///< done
 
   /// The inverse, the function taken as linear within the bracket.
   double position(double y) const {
@@ -33,17 +34,25 @@ struct CdfBracket {
 /// within the bracket. Of pieces that reach y the last counts, so that none of zero rise is hit below the upper end.
 template <class Cdf>
 CdfBracket invert_cdf(const Cdf& cdf, CdfBracket bracket, double y, Inversion inversion, int depth = whole_depth) {
+  const auto narrow = [&](double at) {
+    const double value = cdf(static_cast<int>(at));
+    (value <= y ? bracket.low : bracket.high) = at;
+    (value <= y ? bracket.at_low : bracket.at_high) = value;
+    return value <= y;
+  };
   bool halve = inversion == Inversion::bisection;
   for (; bracket.steps < depth; ++bracket.steps) {
     // Whole numbers strictly inside.
     const double first = std::floor(bracket.low) + 1, last = std::ceil(bracket.high) - 1,
                  width = bracket.high - bracket.low;
     if (first > last) break;
-    const double guess = halve ? (bracket.low + bracket.high) / 2 : bracket.position(y);
-    const double at = std::clamp(std::round(guess), first, last);
-    const double value = cdf(static_cast<int>(at));
-    (value <= y ? bracket.low : bracket.high) = at;
-    (value <= y ? bracket.at_low : bracket.at_high) = value;
+    if (halve) {
+      narrow(std::clamp(std::round((bracket.low + bracket.high) / 2), first, last));
+    } else {
+      const double begin = std::floor(bracket.position(y)), end = begin + 1;
+      const bool beyond = begin < first || narrow(begin);
+      if (beyond && end <= last) narrow(end);
+    }
     halve = inversion == Inversion::bisection || (!halve && bracket.high - bracket.low > width / 2);
   }
   return bracket;

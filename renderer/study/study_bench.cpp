@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "renderer/methods/host_method.h"
 #include "renderer/study/lab.h"
 #include "renderer/study/reference_cache.h"
 
@@ -75,9 +74,9 @@ double StudyBench::rel_rmse(const std::vector<double>& at_receivers) const {
   return std::sqrt(squares / n) / (sum / n);
 }
 
-double StudyBench::delta_e(const std::vector<double>& small_irradiance) const {
+Picture8 StudyBench::tone_mapped(const std::vector<double>& small_irradiance) const {
   const std::size_t channels = luminaire_->light_field.geometry().channels.size();
-  return mean_lab_delta_e(tone_map(small_.picture(small_irradiance, channels), {1, white_}), small_reference_);
+  return tone_map(small_.picture(small_irradiance, channels), {1, white_});
 }
 
 Result<StudyPoint> StudyBench::judge(DeviceMethod& method, int repeats) const {
@@ -94,31 +93,20 @@ Result<StudyPoint> StudyBench::judge(DeviceMethod& method, int repeats) const {
     for (std::size_t c = 0; c < channels; ++c) chosen.push_back(e[k * channels + c]);
   point.rel_rmse = rel_rmse(chosen);
   if (const auto ran = timed_evaluation(method, small_.receivers, 1, e); !ran) return tl::unexpected(ran.error());
-  point.lab_delta_e = delta_e(e);
+  point.lab_delta_e = mean_lab_delta_e(tone_mapped(e), small_reference_);
   return point;
 }
 
-Result<StudyPoint> StudyBench::judge(const HostMethod& method) const {
-  StudyPoint point{.luminaire = luminaire_->name, .device = "host", .width_px = small_width, .height_px = small_height};
+Result<Picture8> StudyBench::small_picture(const HostMethod& method) const {
   const std::size_t channels = luminaire_->light_field.geometry().channels.size();
-  const auto of = [&](const Receiver& receiver, std::size_t number, std::vector<double>& out) -> Status {
-    if (receiver.n == Vec3(0, 0, 0)) {
-      out.insert(out.end(), channels, 0.0);
-      return {};
-    }
-    auto one = method.irradiance(receiver, static_cast<std::uint32_t>(number));
+  std::vector<double> irradiance(small_.receivers.size() * channels, 0.0);
+  for (std::size_t k = 0; k < small_.receivers.size(); ++k) {
+    if (small_.receivers[k].n == Vec3(0, 0, 0)) continue;
+    const auto one = method.irradiance(small_.receivers[k], static_cast<std::uint32_t>(k));
     if (!one) return tl::unexpected(one.error());
-    out.insert(out.end(), one->begin(), one->end());
-    return {};
-  };
-  std::vector<double> chosen, small;
-  for (const std::size_t k : chosen_)
-    if (const Status done = of(timed_.receivers[k], k, chosen); !done) return tl::unexpected(done.error());
-  for (std::size_t k = 0; k < small_.receivers.size(); ++k)
-    if (const Status done = of(small_.receivers[k], k, small); !done) return tl::unexpected(done.error());
-  point.rel_rmse = rel_rmse(chosen);
-  point.lab_delta_e = delta_e(small);
-  return point;
+    std::copy(one->begin(), one->end(), irradiance.begin() + static_cast<std::ptrdiff_t>(k * channels));
+  }
+  return tone_mapped(irradiance);
 }
 
 }  // namespace lumifield

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "renderer/methods/device_method.h"
+#include "renderer/methods/host_method.h"
 #include "renderer/study/study.h"
 #include "renderer/study/study_frame.h"
 
@@ -27,8 +28,9 @@ class StudyBench {
 
   /// Evaluates a method that has the luminaire's cells, `repeats` times, and judges it. The method keeps its samples.
   Result<StudyPoint> judge(DeviceMethod& method, int repeats) const;
-  /// Of a host form, one evaluation of the receivers and the small picture; no time.
-  Result<StudyPoint> judge(const class HostMethod& method) const;
+  /// The picture for ΔE by a host form, tone-mapped as its reference is.
+  Result<Picture8> small_picture(const HostMethod& method) const;
+  const Picture8& small_reference() const { return small_reference_; }
   /// A method that is made, and given the cells.
   Result<std::unique_ptr<DeviceMethod>> make(const MethodSettings& settings) const;
 
@@ -38,7 +40,7 @@ class StudyBench {
  private:
   StudyBench() = default;
   double rel_rmse(const std::vector<double>& at_receivers) const;
-  double delta_e(const std::vector<double>& small_irradiance) const;
+  Picture8 tone_mapped(const std::vector<double>& small_irradiance) const;
 
   const StudyLuminaire* luminaire_ = nullptr;
   StudyFrame timed_, small_;

@@ -34,7 +34,7 @@ TEST(CdfInversion, BothWaysEndInThePieceThatHoldsTheValue) {
 TEST(CdfInversion, TheSecantIsDoneAtOnceWhereTheFunctionIsALine) {
   const std::vector<double> cdf = steep_cdf(256, 1);
   const auto at = [&](int i) { return cdf[std::size_t(i)]; };
-  EXPECT_LE(invert_cdf(at, {0, 256, 0, 1}, 0.3, Inversion::secant).steps, 2);
+  EXPECT_EQ(invert_cdf(at, {0, 256, 0, 1}, 0.3, Inversion::secant).steps, 1);
   EXPECT_EQ(invert_cdf(at, {0, 256, 0, 1}, 0.3, Inversion::bisection).steps, 8);
   EXPECT_NEAR(invert_cdf(at, {0, 256, 0, 1}, 0.3, Inversion::secant, 0).position(0.3), 0.3 * 256, 1e-12);
 }
