@@ -75,15 +75,15 @@ TEST_F(WindowTest, ScansWithAPauseAndARetake) {
   // A pause holds the scan where it is.
   press(controls().pause_action());
   ASSERT_TRUE(wait_for([&] { return activity() == ScanActivity::paused; }));
-  const int held = model().measured();
-  QTest::qWait(1500);
-  EXPECT_LE(model().measured(), held + 2);  // the cells that were on their way
-  const int settled = model().measured();
-  QTest::qWait(1500);
-  EXPECT_EQ(model().measured(), settled);
-  EXPECT_LT(settled, model().total());
+  ScanController& scan = window->workbench().scan();
+  const int held = scan.progress().cells_done;
+  EXPECT_LT(held, model().total());
+  ASSERT_TRUE(wait_for([&] { return model().measured() == held; })) << "the cells that were on their way";
+  QSignalSpy progressed(&scan, &ScanController::progressed);
   press(controls().resume_action());
-  ASSERT_TRUE(wait_for([&] { return model().measured() > settled; }));
+  ASSERT_TRUE(wait_for([&] { return progressed.count() > 0; }));
+  EXPECT_EQ(progressed[0][0].value<ScanProgress>().cells_done, held) << "none was measured in the pause";
+  ASSERT_TRUE(wait_for([&] { return model().measured() > held; }));
 
   // A measured cell is chosen with the mouse and taken again with the key.
   CellIndex chosen{-1, -1};
