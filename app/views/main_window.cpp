@@ -331,14 +331,14 @@ void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
   if (event->mimeData()->hasUrls()) event->acceptProposedAction();
 }
 
-/// Folders and manifests are datasets; other .json files are scenes.
+/// A .json file that is no manifest is a scene, by its name; all else a dataset.
 void MainWindow::dropEvent(QDropEvent* event) {
   for (const QUrl& url : event->mimeData()->urls()) {
     const QString path = url.toLocalFile();
-    if (QFileInfo(path).isDir() || QFileInfo(path).fileName() == "luminaire.json")
-      open(path);
-    else
+    if (path.endsWith(".json") && QFileInfo(path).fileName() != "luminaire.json")
       show_scene(path);
+    else
+      open(path);
   }
   event->acceptProposedAction();
 }
