@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -37,9 +38,14 @@ class BenchView {
   void set_stage_mm(const Vec2& stage_mm);
   void set_bracket(std::shared_ptr<const Bracket> bracket, std::string place);
 
+  /// Somebody looks at brackets: else none needs to be copied for it. Not at first.
+  void set_watched(bool watched) { watched_ = watched; }
+  bool watched() const { return watched_; }
+
  private:
   mutable std::mutex mutex_;
   BenchSnapshot now_;
+  std::atomic<bool> watched_ = false;
 };
 
 }  // namespace lumifield

@@ -37,7 +37,7 @@ class QueueSink : public ScanSink {
   void seen(const Bracket& bracket, const std::string& place, const Vec2& stage_mm) override {
     if (!view_) return;
     view_->set_stage_mm(stage_mm);
-    view_->set_bracket(std::make_shared<const Bracket>(bracket), place);
+    if (view_->watched()) view_->set_bracket(std::make_shared<const Bracket>(bracket), place);
   }
 
  private:

@@ -32,7 +32,7 @@ struct ScanRequest {
   std::optional<Scene> preview;
   int preview_width_px = 1024, preview_height_px = 768;
   std::vector<double> picture_shares;     ///< a picture is made when this share of the cells is in, 0 … 1
-  std::shared_ptr<BenchView> bench_view;  ///< told what the bench sees, when given
+  std::shared_ptr<BenchView> bench_view;  ///< told what the bench sees, when given; brackets while it is watched
   BenchDevices devices;
 };
 

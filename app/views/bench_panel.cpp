@@ -118,8 +118,10 @@ QWidget* BenchPanel::make_stage() {
   return line;
 }
 
-void BenchPanel::set_view(std::shared_ptr<const BenchView> view) {
+void BenchPanel::set_view(std::shared_ptr<BenchView> view) {
+  watch(false);
   view_ = std::move(view);
+  watch(isVisible());
   now_ = {};
   if (isVisible()) look();
 }
@@ -138,14 +140,20 @@ void BenchPanel::set_limits(const StageLimits& limits) {
 void BenchPanel::set_cell_targets(std::vector<Vec2> stage_mm) { map_->set_targets(std::move(stage_mm)); }
 
 void BenchPanel::showEvent(QShowEvent* event) {
+  watch(true);
   look_->start();
   look();
   QWidget::showEvent(event);
 }
 
 void BenchPanel::hideEvent(QHideEvent* event) {
+  watch(false);
   look_->stop();
   QWidget::hideEvent(event);
+}
+
+void BenchPanel::watch(bool watched) {
+  if (view_) view_->set_watched(watched);
 }
 
 void BenchPanel::look() {

@@ -23,7 +23,8 @@ class StageMap;
 
 /// What the bench sees now: how camera and stage are connected, the camera's last picture with its over-exposed pixels
 /// marked, one exposure of the bracket at a time, its histogram, and where the stage stands. It looks into a BenchView
-/// five times a second while it is visible; pictures are made on a thread of their own. GUI thread.
+/// five times a second, and has it watched, while it is visible; pictures are made on a thread of their own. GUI
+/// thread.
 class BenchPanel : public QWidget {
   Q_OBJECT
 
@@ -31,7 +32,7 @@ class BenchPanel : public QWidget {
   explicit BenchPanel(QWidget* parent = nullptr);
 
   /// Null: nothing to show.
-  void set_view(std::shared_ptr<const BenchView> view);
+  void set_view(std::shared_ptr<BenchView> view);
   /// DN at or above are over-exposed.
   void set_saturation(double dn);
   void set_limits(const StageLimits& limits);
@@ -56,6 +57,7 @@ class BenchPanel : public QWidget {
   QWidget* make_choices();
   QWidget* make_figures();
   QWidget* make_stage();
+  void watch(bool watched);
   void look();
   void show_bracket();
   void show_position();
@@ -67,7 +69,7 @@ class BenchPanel : public QWidget {
   void show_pixel();
   void show_saturation();
 
-  std::shared_ptr<const BenchView> view_;
+  std::shared_ptr<BenchView> view_;
   BenchSnapshot now_;
   std::shared_ptr<const CameraPicture> picture_;
   std::optional<double> chosen_s_;  ///< empty: the longest

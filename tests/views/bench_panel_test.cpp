@@ -57,6 +57,19 @@ struct Shown {
   }
 };
 
+TEST(BenchPanel, HasItsViewWatchedWhileItIsVisible) {
+  Shown s;
+  EXPECT_TRUE(s.view->watched());
+  s.panel.hide();
+  EXPECT_FALSE(s.view->watched());
+  s.panel.show();
+  EXPECT_TRUE(s.view->watched());
+  const auto other = std::make_shared<BenchView>();
+  s.panel.set_view(other);
+  EXPECT_FALSE(s.view->watched());
+  EXPECT_TRUE(other->watched());
+}
+
 TEST(BenchPanel, ShowsTheLongestExposureThenTheChosen) {
   Shown s;
   s.view->set_bracket(bracket(1000), "cell (3, 4), pass positive");

@@ -110,10 +110,24 @@ TEST_F(WorkbenchTest, TheWatchHandsTheDevicesToTheScanAndTakesThemBack) {
   ASSERT_TRUE(idle()) << qPrintable(notices.join("\n"));
   EXPECT_EQ(faults, 0) << qPrintable(notices.join("\n"));
   EXPECT_EQ(work.model().measured(), 6);
-  EXPECT_TRUE(watched());
-  EXPECT_EQ(bench.cameras_opened(), 3) << "watch, scan, watch";
+  EXPECT_TRUE(comes([&] { return bench.cameras_opened() == 3; })) << "watch, scan, watch";
   EXPECT_EQ(bench.most_cameras_at_once(), 1);
   EXPECT_EQ(bench.most_stages_at_once(), 1);
+}
+
+TEST_F(WorkbenchTest, AScansBracketsAreCopiedWhileTheyAreWatched) {
+  const std::shared_ptr<BenchView>& view = work.scan().bench_view();
+  for (const bool watched : {false, true}) {
+    view->set_watched(watched);
+    const char* out = watched ? "watched.lumi" : "unwatched.lumi";
+    prepare(out);
+    bench.hold_exposures_after(30);  // after a dark set, the reference and some cells
+    work.start();
+    ASSERT_TRUE(comes([&] { return work.folder() == path(out) && work.model().measured() >= 1; }));
+    EXPECT_EQ(view->snapshot().place.starts_with("cell ("), watched) << view->snapshot().place;
+    bench.hold_exposures(false);
+    ASSERT_TRUE(idle());
+  }
 }
 
 TEST_F(WorkbenchTest, NoDatasetIsOpenedWhileAScanStarts) {
