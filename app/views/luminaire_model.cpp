@@ -1,13 +1,13 @@
 #include "app/views/luminaire_model.h"
 
 #include <QStringList>
+#include <array>
 #include <mutex>
 #include <thread>
 #include <utility>
 
 #include "app/session/guarded.h"
 #include "app/session/preview_memory.h"
-#include "luminaire/neighbours.h"
 
 namespace lumifield {
 
@@ -23,7 +23,9 @@ QStringList texts(const std::vector<std::string>& all) {
 
 }  // namespace
 
-LuminaireModel::LuminaireModel(QObject* parent) : QObject(parent) {}
+LuminaireModel::LuminaireModel(QObject* parent) : QObject(parent) {
+  connect(&differences_, &NeighbourDifferences::known, this, &LuminaireModel::take_difference);
+}
 
 LuminaireModel::~LuminaireModel() {
   give_up(opening_);
@@ -48,35 +50,47 @@ void LuminaireModel::reset(const LuminaireGeometry& geometry, const QString& nam
   give_up(arriving_);
   geometry_ = geometry;
   name_ = name;
+  clear();
+  emit resetDone();
+}
+
+void LuminaireModel::clear() {
   cells_.clear();
+  differences_.forget();
   measuring_.reset();
   waiting_.clear();
-  emit resetDone();
 }
 
 void LuminaireModel::put(const CellEntry& entry, std::shared_ptr<const CellImage> image) {
   if (!geometry_ || !geometry_->sampling.contains(entry.cell)) return;
-  cells_[entry.cell] = {entry, std::move(image), 0};
+  Cell& cell = cells_[entry.cell];
+  cell.entry = entry;
+  cell.image = std::move(image);
   waiting_.erase(entry.cell);
-  update_differences(entry.cell);
+  emit cellChanged(entry.cell);
+  wish_differences(entry.cell);
 }
 
-void LuminaireModel::update_differences(CellIndex around) {
-  const auto [row, column] = around;
-  for (const CellIndex at : {around, CellIndex{row - 1, column}, CellIndex{row + 1, column}, CellIndex{row, column - 1},
-                             CellIndex{row, column + 1}}) {
-    const auto found = cells_.find(at);
-    if (found == cells_.end()) continue;
-    found->second.neighbour_difference = difference(at);
-    emit cellChanged(at);
+/// Of a cell and of those to which it is a neighbour.
+void LuminaireModel::wish_differences(CellIndex around) {
+  const auto cross = [](CellIndex at) {
+    return std::array{at, CellIndex{at.row - 1, at.column}, CellIndex{at.row + 1, at.column},
+                      CellIndex{at.row, at.column - 1}, CellIndex{at.row, at.column + 1}};
+  };
+  for (const CellIndex at : cross(around)) {
+    if (!cells_.contains(at)) continue;
+    NeighbourDifferences::Images images;
+    for (const CellIndex beside : cross(at))
+      if (const Cell* known = cell(beside)) images[beside] = known->image;
+    differences_.wish(geometry_->sampling, at, std::move(images));
   }
 }
 
-double LuminaireModel::difference(CellIndex index) const {
-  return neighbour_difference(geometry_->sampling, index, [this](CellIndex at) {
-    const Cell* known = cell(at);
-    return known ? known->image.get() : nullptr;
-  });
+void LuminaireModel::take_difference(CellIndex index, double difference) {
+  const auto found = cells_.find(index);
+  if (found == cells_.end()) return;
+  found->second.neighbour_difference = difference;
+  emit cellChanged(index);
 }
 
 void LuminaireModel::set_measuring(std::optional<CellIndex> cell) {
@@ -138,9 +152,7 @@ void LuminaireModel::take_begun(const LoadPointer& load, const Manifest& manifes
   opening_.reset();
   geometry_ = manifest.geometry;
   name_ = text(manifest.name);
-  cells_.clear();
-  measuring_.reset();
-  waiting_.clear();
+  clear();
   emit resetDone();
   emit loadBegan();
 }

@@ -2,11 +2,13 @@
 
 #include <QObject>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
 
+#include "app/views/neighbour_differences.h"
 #include "luminaire/dataset.h"
 
 namespace lumifield {
@@ -21,8 +23,9 @@ class LuminaireModel : public QObject {
     CellEntry entry;
     std::shared_ptr<const CellImage> image;
     /// Σ|C − N| / Σ(|C| + |N|), N the mean of the measured cells beside, above and below: 0 alike, 1 nothing in common,
-    /// NaN without neighbours. A slipped stage or a wrong filter stands out.
-    double neighbour_difference = 0;
+    /// NaN without neighbours. A slipped stage or a wrong filter stands out. Computed on another thread: NaN until
+    /// then, or of the images before; cellChanged tells.
+    double neighbour_difference = std::numeric_limits<double>::quiet_NaN();
   };
   enum class State { unmeasured, measuring, waiting, measured, warned };
 
@@ -66,8 +69,9 @@ class LuminaireModel : public QObject {
   void loadFailed(const QString& message);
 
  private:
-  void update_differences(CellIndex around);
-  double difference(CellIndex index) const;
+  void clear();
+  void wish_differences(CellIndex around);
+  void take_difference(CellIndex index, double difference);
   struct Load;
   using LoadPointer = std::shared_ptr<Load>;
   static void give_up(LoadPointer& load);
@@ -77,6 +81,7 @@ class LuminaireModel : public QObject {
   std::optional<LuminaireGeometry> geometry_;
   QString name_;
   std::map<CellIndex, Cell> cells_;
+  NeighbourDifferences differences_;
   std::optional<CellIndex> measuring_;
   std::set<CellIndex> waiting_;
   LoadPointer opening_;   ///< null but before a load begins
