@@ -4,6 +4,7 @@
 #include <set>
 #include <system_error>
 
+#include "acquisition/scan/motion_time.h"
 #include "acquisition/scan/scan_plan.h"
 #include "app/session/precedent.h"
 #include "app/views/scan_words.h"
@@ -85,6 +86,7 @@ void plan_scan(ScanForecast& to, const Bench& bench, const Plan& plan, const std
   to.done = static_cast<int>(done.size());
   to.to_do = steps->cells;
   to.predicted_s = steps->predicted_s;
+  to.assumed_mm_s = bench.stage.rapid_mm_s > 0 ? 0 : stage_speed(bench.stage).rapid_mm_s;
   to.disk_bytes = steps->cells * cell_bytes(bench, plan);
 }
 
@@ -116,8 +118,11 @@ QString forecast_text(const ScanForecast& f) {
   if (f.free_bytes >= 0)
     disk += f.free_bytes < f.disk_bytes ? ", but only " + bytes_text(f.free_bytes) + " are left on that disk"
                                         : " of the " + bytes_text(f.free_bytes) + " left on that disk";
-  return QString("%1\nabout %2 (min:s), from the stage's speed and the plan's exposures\n%3")
-      .arg(cells, duration_text(f.predicted_s), disk);
+  const QString speed = f.assumed_mm_s > 0
+                            ? QString("%1 mm/s, assumed since the bench file gives no speed").arg(f.assumed_mm_s)
+                            : QString("the stage's speed");
+  return QString("%1\nabout %2 (min:s), from the plan's exposures and %3\n%4")
+      .arg(cells, duration_text(f.predicted_s), speed, disk);
 }
 
 }  // namespace lumifield

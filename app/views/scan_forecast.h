@@ -17,10 +17,11 @@ enum class NewScanField { bench, plan, out, scene };
 /// What such a scan would be, or why it cannot.
 struct ScanForecast {
   int columns = 0, rows = 0;
-  int done = 0, to_do = 0;                 ///< cells that `out` holds already, and the others
-  double predicted_s = 0;                  ///< for those to do
-  double disk_bytes = 0;                   ///< that they take at most
-  double free_bytes = -1;                  ///< on the disk of `out`; negative: not known
+  int done = 0, to_do = 0;  ///< cells that `out` holds already, and the others
+  double predicted_s = 0;   ///< for those to do
+  double assumed_mm_s = 0;  ///< the stage's speed where the bench file gives none, for the prediction; else 0
+  double disk_bytes = 0;    ///< that they take at most
+  double free_bytes = -1;   ///< on the disk of `out`; negative: not known
   std::map<NewScanField, QString> faults;  ///< what is wrong with a field, and what to do
   QStringList notes;                       ///< defaults taken, members not known
 

@@ -163,7 +163,7 @@ void ScanPanel::show_times() {
   const double left_s = std::max(0.0, progress_.left_s - since_s);
   const bool going = known && (runs || activity_ == paused);
   figures_->show_figure(elapsed, known ? duration_text(progress_.elapsed_s + since_s) : "—",
-                        "Time since the scan began, min:s");
+                        "Time since the scan began, pauses included, min:s");
   figures_->show_figure(left, going ? duration_text(left_s) : "—", "Predicted time that the scan still takes, min:s");
   const QDateTime ends = now.addMSecs(static_cast<qint64>(1000 * left_s));
   figures_->show_figure(end, going ? clock_text(ends, now) : "—",

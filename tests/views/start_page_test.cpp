@@ -72,6 +72,17 @@ TEST(ScanForecast, TellsCellsTimeAndDiskSpace) {
   EXPECT_GT(f.free_bytes, 0);
   EXPECT_TRUE(forecast_text(f).startsWith("3 × 2 = 6 cells\nabout 00:")) << forecast_text(f).toStdString();
   EXPECT_TRUE(forecast_text(f).contains("up to 384 kB of the "));
+
+  // It says which speed it takes.
+  EXPECT_EQ(f.assumed_mm_s, 0);
+  EXPECT_TRUE(forecast_text(f).contains("exposures and the stage's speed\n"));
+  Bench silent = *read_bench(files.scan.bench);
+  silent.stage.rapid_mm_s = 0;
+  std::ofstream(files.scan.bench) << to_json(silent);
+  const ScanForecast assumed = forecast(files.scan);
+  EXPECT_EQ(assumed.assumed_mm_s, 10);
+  EXPECT_GT(assumed.predicted_s, f.predicted_s);
+  EXPECT_TRUE(forecast_text(assumed).contains("exposures and 10 mm/s, assumed since the bench file gives no speed\n"));
 }
 
 TEST(ScanForecast, NamesTheFieldThatIsWrong) {
