@@ -28,8 +28,10 @@ QHBoxLayout* row_of(QWidget* page) {
 }  // namespace
 
 PreviewLookBar::PreviewLookBar(QWidget* parent) : QWidget(parent), pages_(new QStackedWidget(this)) {
-  false_colour_ =
-      make_action("&False colour", "Luminance as colours, with a scale, instead of the tone-mapped picture", true);
+  false_colour_ = make_action("&False colour",
+                              "Y709 = 0.2126 R + 0.7152 G + 0.0722 B as colours, with a scale, instead of the "
+                              "tone-mapped picture: BT.709's weights on the camera's primaries, no measured luminance",
+                              true);
   hold_ = make_action("&Hold average", {}, true);
   brighter_ = make_action("&Brighter", "Half a stop brighter", false);
   darker_ = make_action("&Darker", "Half a stop darker", false);
@@ -92,14 +94,13 @@ QWidget* PreviewLookBar::make_exposure() {
 QWidget* PreviewLookBar::make_scale() {
   auto* page = new QWidget(this);
   fixed_ = new QCheckBox("Fixed scale, up to", page);
-  fixed_->setToolTip(
-      "Off: the scale ends at the picture's largest luminance. On: at the value beside, for every picture.");
+  fixed_->setToolTip("Off: the scale ends at the picture's largest Y709. On: at the value beside, for every picture.");
   top_ = new ValueSpinBox(page);
   top_->setValue(1);
   top_->setEnabled(false);
   top_->setKeyboardTracking(false);
-  top_->setAccessibleName("Luminance at the scale's end");
-  top_->setToolTip("Luminance at the end of the false-colour scale; larger values show the end's colour");
+  top_->setAccessibleName("Y709 at the scale's end");
+  top_->setToolTip("Y709 at the end of the false-colour scale; larger values show the end's colour");
   QHBoxLayout* row = row_of(page);
   row->addWidget(fixed_);
   row->addWidget(top_);

@@ -22,8 +22,8 @@ QString pixel_text(const Picture& picture, int i, int j, Quantity quantity) {
       static_cast<std::size_t>(j) * static_cast<std::size_t>(picture.width_px) + static_cast<std::size_t>(i);
   if (picture.coverage[pixel] == 0) return "background";
   const float* rgb = &picture.rgb[3 * pixel];
-  const double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-  QString text = "L " + value_text(luminance) + " " + unit_text(unit_of(quantity));
+  const double y709 = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+  QString text = "Y709 " + value_text(y709) + " " + unit_text(unit_of(quantity));
   if (rgb[0] != rgb[1] || rgb[1] != rgb[2])
     text += " · R " + value_text(rgb[0]) + " G " + value_text(rgb[1]) + " B " + value_text(rgb[2]);
   return text;

@@ -12,7 +12,8 @@ namespace lumifield {
 QString progress_text(const PreviewFrame& frame);
 /// "26 of 63 cells not measured yet: their light is missing"; empty when none is.
 QString missing_text(const PreviewFrame& frame);
-/// The value of pixel (i, j), i to the right and j down: "L 0.183 W/(m² sr) · R 0.2 G 0.18 B 0.13", L = 0.2126 R +
-/// 0.7152 G + 0.0722 B; without the bands where they are alike; "background" where no surface is seen.
+/// The value of pixel (i, j), i to the right and j down: "Y709 0.183 W/(m² sr) · R 0.2 G 0.18 B 0.13", Y709 =
+/// 0.2126 R + 0.7152 G + 0.0722 B, BT.709's weights on the camera's primaries; without the bands where they are alike;
+/// "background" where no surface is seen.
 QString pixel_text(const Picture& picture, int i, int j, Quantity quantity);
 }  // namespace lumifield

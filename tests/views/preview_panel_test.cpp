@@ -109,7 +109,7 @@ TEST_F(PreviewPanelTest, FalseColourScaleIsAutomaticOrFixedWithItsUnit) {
   PreviewFrame frame = preview_frame(40, 30);
   frame.scale_top = 3.2e-5;
   show(frame);
-  auto* top = child<QDoubleSpinBox>("Luminance at the scale's end");
+  auto* top = child<QDoubleSpinBox>("Y709 at the scale's end");
   EXPECT_FALSE(top->isEnabled());
   EXPECT_EQ(top->text(), "3.2e-05 W/(m² sr)");
   child<QCheckBox>("Fixed scale, up to")->click();
@@ -158,7 +158,7 @@ TEST_F(PreviewPanelTest, SaysWhatIsLeftOutOrTheValueUnderTheCursor) {
   const QPointF at(panel.view().picture_rect().topLeft() + QPointF(3, 3));
   QMouseEvent move(QEvent::MouseMove, at, panel.view().mapToGlobal(at), Qt::NoButton, Qt::NoButton, Qt::NoModifier);
   QApplication::sendEvent(&panel.view(), &move);
-  EXPECT_EQ(status(), "pixel 0, 0: L 0.2 W/(m² sr)");
+  EXPECT_EQ(status(), "pixel 0, 0: Y709 0.2 W/(m² sr)");
   QEvent leave(QEvent::Leave);
   QApplication::sendEvent(&panel.view(), &leave);
   EXPECT_EQ(status(), "no shadows");

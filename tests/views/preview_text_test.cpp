@@ -21,8 +21,8 @@ TEST(PreviewText, SaysWhatThePictureHoldsAndWhatIsMissing) {
 
 TEST(PreviewText, SaysTheValueOfAPixelWithItsUnit) {
   const Picture picture = *preview_frame(4, 3).radiance;
-  EXPECT_EQ(pixel_text(picture, 1, 0, Quantity::radiance), "L 0.2 W/(m² sr)");
-  EXPECT_EQ(pixel_text(picture, 2, 1, Quantity::luminance), "L 0.463 cd/m² · R 0.8 G 0.4 B 0.1");
+  EXPECT_EQ(pixel_text(picture, 1, 0, Quantity::radiance), "Y709 0.2 W/(m² sr)");
+  EXPECT_EQ(pixel_text(picture, 2, 1, Quantity::luminance), "Y709 0.463 cd/m² · R 0.8 G 0.4 B 0.1");
   EXPECT_EQ(pixel_text(picture, 0, 2, Quantity::radiance), "background");
 }
 

@@ -170,15 +170,15 @@ TEST_F(PreviewViewTest, TellsTheValueUnderTheCursor) {
   QMouseEvent move(QEvent::MouseMove, QPointF(105.5, 55.5), view.mapToGlobal(QPointF(105.5, 55.5)), Qt::NoButton,
                    Qt::NoButton, Qt::NoModifier);
   QApplication::sendEvent(&view, &move);
-  EXPECT_EQ(last(), "pixel 10, 5: L 0.2 W/(m² sr)");
+  EXPECT_EQ(last(), "pixel 10, 5: Y709 0.2 W/(m² sr)");
   show(preview_frame(40, 30, {0.5F, 0.5F, 0.5F}));  // the cursor rests, the light grows
-  EXPECT_EQ(last(), "pixel 10, 5: L 0.5 W/(m² sr)");
+  EXPECT_EQ(last(), "pixel 10, 5: Y709 0.5 W/(m² sr)");
   PreviewFrame coarse = preview_frame(40, 30);
   coarse.coarse = true;  // its pixels are told by their places in the full picture
   show(coarse);
   const double ratio = view.devicePixelRatioF();
   EXPECT_EQ(last().toStdString(),
-            QString("pixel %1, %2: L 0.2 W/(m² sr)").arg(int(105.5 * ratio)).arg(int(55.5 * ratio)).toStdString());
+            QString("pixel %1, %2: Y709 0.2 W/(m² sr)").arg(int(105.5 * ratio)).arg(int(55.5 * ratio)).toStdString());
   show(preview_frame(40, 30));
   QMouseEvent below(QEvent::MouseMove, QPointF(105, 299), view.mapToGlobal(QPointF(105, 299)), Qt::NoButton,
                     Qt::NoButton, Qt::NoModifier);
