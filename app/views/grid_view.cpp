@@ -70,6 +70,7 @@ void GridView::colour_by(int choice) {
                               : std::nullopt);
   colouring_->setToolTip(colouring_->itemData(choice, Qt::ToolTipRole).toString());
   bar_->setVisible(choice > 0);
+  legend_->set_by_figure(choice > 0);
   refresh();
 }
 

@@ -17,9 +17,12 @@ class StateLegend : public QWidget {
   explicit StateLegend(QWidget* parent = nullptr);
   void set_counts(const std::array<int, all_cell_states.size()>& counts);
   const std::array<int, all_cell_states.size()>& counts() const { return counts_; }
+  /// Measured cells show a figure's colours instead of their state's.
+  void set_by_figure(bool by_figure);
 
  private:
   std::array<int, all_cell_states.size()> counts_{};
+  bool by_figure_ = false;
   std::array<QLabel*, all_cell_states.size()> labels_{};
 };
 

@@ -10,10 +10,12 @@
 #include <QTest>
 #include <QTimer>
 #include <gtest/gtest.h>
+#include <set>
 
 #include "app/views/colour_bar.h"
 #include "app/views/grid_map.h"
 #include "app/views/state_legend.h"
+#include "renderer/false_colour.h"
 #include "tests/views/lamp_model.h"
 
 namespace lumifield {
@@ -265,6 +267,29 @@ TEST_F(GridViewTest, WithoutALuminaireItSaysSoAndAnotherForgetsTheChoice) {
   EXPECT_TRUE(view.map().selected().empty());
   view.map().choose({2, 2});
   EXPECT_EQ(view.map().current(), std::nullopt);
+}
+
+TEST(StateLegend, MeasuredCellsHaveTheColoursOfTheMap) {
+  StateLegend legend;
+  legend.resize(legend.sizeHint());
+  const auto colours = [&] {
+    const QImage image = legend.grab().toImage();
+    std::set<QRgb> seen;
+    for (int x = 0; x < image.width(); ++x)
+      for (int y = 0; y < image.height(); ++y) seen.insert(image.pixel(x, y));
+    return seen;
+  };
+  const auto has = [&](double share) {
+    const auto [r, g, b] = false_colour(share);
+    return colours().contains(qRgb(r, g, b));
+  };
+  const QRgb state = qRgb(92, 134, 176);
+  EXPECT_TRUE(colours().contains(state));
+  EXPECT_FALSE(has(0.5 / 16));
+  legend.set_by_figure(true);
+  EXPECT_FALSE(colours().contains(state));
+  EXPECT_TRUE(has(0.5 / 16));
+  EXPECT_TRUE(has(15.5 / 16));
 }
 
 }  // namespace
