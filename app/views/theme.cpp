@@ -1,8 +1,10 @@
 #include "app/views/theme.h"
 
 #include <QApplication>
+#include <QPainter>
 #include <QPalette>
-#include <QStyle>
+#include <QProxyStyle>
+#include <QStyleOption>
 
 namespace lumifield {
 
@@ -39,23 +41,41 @@ QPalette palette_of(const Tones& t) {
   return p;
 }
 
+/// Fusion darkens the window's colour for an outline.
+class OutlinedBoxes : public QProxyStyle {
+ public:
+  OutlinedBoxes() : QProxyStyle("Fusion") {}
+  void drawPrimitive(PrimitiveElement element, const QStyleOption* option, QPainter* painter,
+                     const QWidget* widget) const override {
+    QProxyStyle::drawPrimitive(element, option, painter, widget);
+    if (element != PE_IndicatorCheckBox || option->palette.color(QPalette::Window).lightness() > 127) return;
+    QColor outline = option->palette.color(QPalette::WindowText);
+    outline.setAlpha(150);
+    painter->save();
+    painter->setPen(outline);
+    painter->setBrush(Qt::NoBrush);
+    painter->drawRect(option->rect.adjusted(0, 0, -1, -1));
+    painter->restore();
+  }
+};
+
 }  // namespace
+
+void set_style() { QApplication::setStyle(new OutlinedBoxes); }
 
 Theme theme_of(const QString& word) {
   return word == "light" ? Theme::light : word == "dark" ? Theme::dark : Theme::system;
 }
 
-QString word_of(Theme theme) {
-  return theme == Theme::light ? "light" : theme == Theme::dark ? "dark" : "system";
-}
+QString word_of(Theme theme) { return theme == Theme::light ? "light" : theme == Theme::dark ? "dark" : "system"; }
 
 void apply(Theme theme) {
   if (theme == Theme::light)
-    QApplication::setPalette(palette_of({"#f2f2f0", "#ffffff", "#f7f7f5", "#1b1b1b", "#8a8a88", "#e6e6e3", "#2f6db5",
-                                         "#ffffff", "#1f5fae"}));
+    QApplication::setPalette(palette_of(
+        {"#f2f2f0", "#ffffff", "#f7f7f5", "#1b1b1b", "#8a8a88", "#e6e6e3", "#2f6db5", "#ffffff", "#1f5fae"}));
   else if (theme == Theme::dark)
-    QApplication::setPalette(palette_of({"#2a2b2d", "#3b3d41", "#33353a", "#e6e6e4", "#85868a", "#3a3b3e", "#4d8ad0",
-                                         "#ffffff", "#7fb2ec"}));
+    QApplication::setPalette(palette_of(
+        {"#2a2b2d", "#3b3d41", "#33353a", "#e6e6e4", "#85868a", "#3a3b3e", "#4d8ad0", "#ffffff", "#7fb2ec"}));
   else
     QApplication::setPalette(QPalette());
 }

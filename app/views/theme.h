@@ -14,4 +14,7 @@ QString word_of(Theme theme);
 /// Changes the running application's palette.
 void apply(Theme theme);
 
+/// Fusion, with outlines of tick boxes that show on dark colours.
+void set_style();
+
 }  // namespace lumifield

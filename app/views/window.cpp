@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "app/views/main_window.h"
+#include "app/views/theme.h"
 
 namespace lumifield {
 
@@ -64,7 +65,7 @@ int run_window(int argc, char** argv, const WindowOptions& options) {
   QApplication::setOrganizationName("Lumifield");
   QApplication::setApplicationName("lumifield");
   QApplication::setApplicationDisplayName("Lumifield");
-  QApplication::setStyle("Fusion");
+  set_style();
 
   MainWindow window;
   window.show();
