@@ -6,6 +6,7 @@
 //   lumifield-bench … -- window_figures soak PLAN FOLDER MINUTES     a scan again and again: memory and waiting events
 
 #include <QApplication>
+#include <QComboBox>
 #include <QDockWidget>
 #include <QSettings>
 #include <QTemporaryDir>
@@ -20,6 +21,8 @@
 #include "app/views/new_scan_dialog.h"
 #include "app/views/notices_model.h"
 #include "app/views/notices_panel.h"
+#include "app/views/preview_look_bar.h"
+#include "app/views/theme.h"
 #include "tests/benchmarks/window_series.h"
 
 namespace lumifield {
@@ -160,8 +163,9 @@ int shots(const QString& dataset, const QString& folder) {
   map->choose({model.geometry()->sampling.rows / 2, model.geometry()->sampling.columns / 2});
   QTest::qWait(500);
   shoot(window, folder, "cell");
-  map->set_figure(CellFigure::neighbours);
-  map->refresh_scale();
+  for (auto* box : window.findChildren<QComboBox*>())
+    if (box->accessibleName() == "What the cells are coloured by")
+      box->setCurrentText(figure_name(CellFigure::neighbours));
   raise("bench");
   shoot(window, folder, "bench_closed");
   for (const auto level :
@@ -171,10 +175,8 @@ int shots(const QString& dataset, const QString& folder) {
          "cell (3, 4): 1.2 % of its pixels are saturated in every exposure; 0.1 % are allowed: add a shorter "
          "exposure to the plan, then take the cell again"});
   raise("notices");
-  PreviewLook look;
-  look.false_colour = true;
   shown.last.reset();
-  window.workbench().live_preview().set_look(look);
+  window.findChild<PreviewLookBar*>()->false_colour_action()->trigger();
   if (!QTest::qWaitFor([&] { return shown.last && shown.last->look.false_colour; }, 60'000)) return 1;
   shoot(window, folder, "notices_false_colour");
   NewScanDialog dialog(&window);
@@ -216,7 +218,7 @@ int main(int argc, char** argv) {
   QApplication application(argc, argv);
   QApplication::setOrganizationName("Lumifield");
   QApplication::setApplicationName("lumifield-window-figures");
-  QApplication::setStyle("Fusion");
+  lumifield::set_style();
   const QTemporaryDir settings;
   QSettings::setDefaultFormat(QSettings::IniFormat);
   QSettings::setPath(QSettings::IniFormat, QSettings::UserScope, settings.path());
