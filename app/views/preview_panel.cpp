@@ -11,6 +11,7 @@
 #include "app/views/picture_saver.h"
 #include "app/views/preview_inbox.h"
 #include "app/views/preview_look_bar.h"
+#include "app/views/preview_method_bar.h"
 #include "app/views/preview_view.h"
 #include "app/views/scene_menu.h"
 
@@ -30,6 +31,7 @@ PreviewPanel::PreviewPanel(QWidget* parent)
     : QWidget(parent),
       view_(new PreviewView(this)),
       look_(new PreviewLookBar(this)),
+      method_(new PreviewMethodBar(this)),
       scenes_(new SceneMenu(this)),
       saver_(new PictureSaver(this)),
       status_(new ElidedLabel(this)),
@@ -46,6 +48,7 @@ PreviewPanel::PreviewPanel(QWidget* parent)
   make_tools();
   column->addWidget(tools_);
   column->addWidget(look_);
+  column->addWidget(method_);
   column->addWidget(view_, 1);
   column->addWidget(status_);
   set_tab_order();
@@ -86,7 +89,7 @@ void PreviewPanel::make_tools() {
 /// As the eye goes: the tools from the left, then how the picture looks, then the picture.
 void PreviewPanel::set_tab_order() {
   QWidget* last = scene_button_;
-  for (QWidget* row : {tools_, static_cast<QWidget*>(look_)})
+  for (QWidget* row : {tools_, static_cast<QWidget*>(look_), static_cast<QWidget*>(method_)})
     for (QWidget* control : row->findChildren<QWidget*>()) {
       if (control->focusPolicy() == Qt::NoFocus || control == last || control->focusProxy()) continue;
       setTabOrder(last, control);
@@ -106,7 +109,10 @@ void PreviewPanel::connect_to(PreviewInbox& inbox, LivePreview& live) {
           [&live](const SceneCamera& camera, bool moving) { live.set_camera(camera, moving); });
   connect(view_, &PreviewView::sizeWanted, &inbox, [&live](int width, int height) { live.set_size(width, height); });
   connect(look_, &PreviewLookBar::lookChanged, &inbox, [&live](const PreviewLook& look) { live.set_look(look); });
+  connect(method_, &PreviewMethodBar::methodChanged, &inbox,
+          [&live](const MethodSettings& method) { live.set_method(method); });
   live.set_look(look_->look());
+  live.set_method(method_->method());
   if (const QSize& size = view_->wanted_size(); !size.isEmpty()) live.set_size(size.width(), size.height());
 }
 

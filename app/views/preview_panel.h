@@ -17,19 +17,20 @@ class ElidedLabel;
 class PictureSaver;
 class PreviewInbox;
 class PreviewLookBar;
+class PreviewMethodBar;
 class PreviewView;
 class SceneMenu;
 
-/// The preview with its tools: scene, exposure or false colours, view, saving; below, the value under the cursor or
-/// what the picture leaves out. GUI thread.
+/// The preview with its tools: scene, exposure or false colours, method, view, saving; below, the value under the
+/// cursor or what the picture leaves out. GUI thread.
 class PreviewPanel : public QWidget {
   Q_OBJECT
 
  public:
   explicit PreviewPanel(QWidget* parent = nullptr);
 
-  /// Shows what the render thread says, but late frames of a former luminaire, and tells it camera, size and look from
-  /// now on. Both outlive the panel's use of them.
+  /// Shows what the render thread says, but late frames of a former luminaire, and tells it camera, size, look and
+  /// method from now on. Both outlive the panel's use of them.
   void connect_to(PreviewInbox& inbox, LivePreview& live);
 
   /// Scene files to choose from, besides those opened.
@@ -46,6 +47,7 @@ class PreviewPanel : public QWidget {
 
   PreviewView& view() { return *view_; }
   PreviewLookBar& look_bar() { return *look_; }
+  PreviewMethodBar& method_bar() { return *method_; }
   /// For a menu, with mnemonics and without keys: open scene, reset view, brighter, darker, hold average, false colour,
   /// save picture.
   QList<QAction*> panel_actions() const;
@@ -63,6 +65,7 @@ class PreviewPanel : public QWidget {
 
   PreviewView* view_;
   PreviewLookBar* look_;
+  PreviewMethodBar* method_;
   SceneMenu* scenes_;
   PictureSaver* saver_;
   ElidedLabel* status_;

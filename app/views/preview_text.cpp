@@ -6,6 +6,11 @@ namespace lumifield {
 QString progress_text(const PreviewFrame& frame) {
   const double ms = 1000 * (frame.draw_s + frame.sum_s + frame.show_s);
   QString text = QString("%1 of %2 cells · picture %3 ms").arg(frame.cells).arg(frame.total).arg(ms, 0, 'f', 0);
+  const MethodInfo& method = info(frame.method.method);
+  if (frame.method.method != Method::closed_form) {
+    text += " · " + QString::fromUtf8(method.name.data(), static_cast<qsizetype>(method.name.size()));
+    if (method.cost != MethodCost::none) text += QString(", %1").arg(frame.method.samples);
+  }
   if (frame.coarse) text += " · coarse";
   return text;
 }

@@ -259,7 +259,7 @@ TEST_F(PreviewPanelTest, TabGoesFromTheToolsToThePicture) {
     QTest::keyClick(at, Qt::Key_Tab);
   }
   EXPECT_EQ(seen, QStringList({"Scene", "False colour", "Reset view", "Save…", "Exposure, tenths of a stop",
-                               "Exposure, stops", "Hold average"}));
+                               "Exposure, stops", "Hold average", "Method that computes the light"}));
 }
 
 TEST(ValueSpinBox, TakesNumbersOfAnyMagnitudeAndNothingElse) {

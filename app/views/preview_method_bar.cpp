@@ -1,0 +1,83 @@
+#include "app/views/preview_method_bar.h"
+
+#include <QComboBox>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QSpinBox>
+
+namespace lumifield {
+
+namespace {
+
+constexpr int most_samples = 1'000'000;
+
+QString text_of(std::string_view text) { return QString::fromUtf8(text.data(), static_cast<qsizetype>(text.size())); }
+
+/// What the samples of a method are; empty where it has none.
+QString samples_tip(Method method) {
+  switch (info(method).cost) {
+    case MethodCost::samples:
+      return PreviewMethodBar::tr(
+          "Samples for each pixel: four times as many halve the noise and take four times as long");
+    case MethodCost::lights:
+      return PreviewMethodBar::tr("Light samples of the whole luminaire, shared by all pixels");
+    case MethodCost::none:
+    case MethodCost::pixels_per_support:
+      return {};
+  }
+  return {};
+}
+
+}  // namespace
+
+PreviewMethodBar::PreviewMethodBar(QWidget* parent)
+    : QWidget(parent), methods_(new QComboBox(this)), samples_(new QSpinBox(this)) {
+  for (const MethodInfo& each : lumifield::methods()) {
+    if (each.method == Method::reference) continue;
+    methods_->addItem(text_of(each.name), static_cast<int>(each.method));
+    methods_->setItemData(methods_->count() - 1, text_of(each.what), Qt::ToolTipRole);
+  }
+  methods_->setAccessibleName(tr("Method that computes the light"));
+  samples_->setLocale(QLocale::c());
+  samples_->setRange(1, most_samples);
+  samples_->setValue(static_cast<int>(method_.samples));
+  samples_->setStepType(QAbstractSpinBox::AdaptiveDecimalStepType);
+  samples_->setKeyboardTracking(false);
+  samples_->setAccessibleName(tr("Samples"));
+  samples_->setToolTip(samples_tip(Method::position_dependent));
+  auto* row = new QHBoxLayout(this);
+  row->setContentsMargins(0, 0, 0, 0);
+  auto* name = new QLabel(tr("Light by"), this);
+  name->setBuddy(methods_);
+  row->addWidget(name);
+  row->addWidget(methods_);
+  row->addWidget(samples_);
+  row->addStretch(1);
+  connect(methods_, &QComboBox::currentIndexChanged, this,
+          [this] { choose(static_cast<Method>(methods_->currentData().toInt())); });
+  connect(samples_, &QSpinBox::valueChanged, this, [this](int samples) {
+    MethodSettings method = method_;
+    method.samples = samples;
+    tell(method);
+  });
+  choose(Method::closed_form);
+}
+
+void PreviewMethodBar::choose(Method chosen) {
+  const MethodCost cost = info(chosen).cost;
+  samples_->setVisible(cost == MethodCost::samples || cost == MethodCost::lights);
+  samples_->setSuffix(cost == MethodCost::lights ? tr(" lights") : tr(" samples"));
+  if (const QString tip = samples_tip(chosen); !tip.isEmpty()) samples_->setToolTip(tip);
+  methods_->setToolTip(tr("How the light is computed: %1").arg(text_of(info(chosen).what)));
+  MethodSettings method = method_;
+  method.method = chosen;
+  tell(method);
+}
+
+void PreviewMethodBar::tell(const MethodSettings& method) {
+  if (method.method == method_.method && method.samples == method_.samples) return;
+  method_ = method;
+  emit methodChanged(method_);
+}
+
+}  // namespace lumifield

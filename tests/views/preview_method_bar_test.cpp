@@ -1,0 +1,75 @@
+#include "app/views/preview_method_bar.h"
+
+#include <QComboBox>
+#include <QSignalSpy>
+#include <QSpinBox>
+#include <QTest>
+#include <gtest/gtest.h>
+
+#include "app/views/preview_text.h"
+#include "tests/views/preview_frames.h"
+
+namespace lumifield {
+namespace {
+
+class PreviewMethodBarTest : public testing::Test {
+ protected:
+  PreviewMethodBarTest() {
+    bar.show();
+    EXPECT_TRUE(QTest::qWaitForWindowExposed(&bar));
+    QObject::connect(&bar, &PreviewMethodBar::methodChanged, &bar,
+                     [this](const MethodSettings& method) { told.push_back(method); });
+  }
+  QComboBox* methods() { return bar.findChild<QComboBox*>(); }
+  QSpinBox* samples() { return bar.findChild<QSpinBox*>(); }
+
+  PreviewMethodBar bar;
+  std::vector<MethodSettings> told;
+};
+
+TEST_F(PreviewMethodBarTest, OffersWhatMakesAPictureSoonEnough) {
+  QStringList names;
+  for (int k = 0; k < methods()->count(); ++k) {
+    names << methods()->itemText(k);
+    EXPECT_FALSE(methods()->itemData(k, Qt::ToolTipRole).toString().isEmpty());
+  }
+  EXPECT_EQ(names.front(), "closed-form");
+  EXPECT_TRUE(names.contains("position-dependent"));
+  EXPECT_FALSE(names.contains("reference"));
+  EXPECT_FALSE(samples()->isVisible()) << "the closed form draws none";
+}
+
+TEST_F(PreviewMethodBarTest, KeysChooseAMethodAndItsSamples) {
+  methods()->setFocus();
+  QTest::keyClick(methods(), Qt::Key_Down);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told.back().method, Method::position_dependent);
+  EXPECT_EQ(told.back().samples, 200);
+  ASSERT_TRUE(samples()->isVisible());
+  EXPECT_FALSE(samples()->toolTip().isEmpty());
+
+  samples()->setFocus();
+  samples()->selectAll();
+  QTest::keyClicks(samples(), "50");
+  EXPECT_EQ(told.size(), 1u) << "not while it is typed";
+  QTest::keyClick(samples(), Qt::Key_Return);
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told.back().samples, 50);
+
+  QTest::keyClick(methods(), Qt::Key_Home);
+  ASSERT_EQ(told.size(), 3u);
+  EXPECT_EQ(told.back().method, Method::closed_form);
+  EXPECT_FALSE(samples()->isVisible());
+}
+
+TEST_F(PreviewMethodBarTest, ThePicturesTextNamesAnotherMethod) {
+  PreviewFrame frame = preview_frame(4, 3);
+  EXPECT_FALSE(progress_text(frame).contains("closed-form"));
+  frame.method = {.method = Method::position_dependent, .samples = 200};
+  EXPECT_TRUE(progress_text(frame).contains("position-dependent, 200"));
+  frame.method = {.method = Method::far_field};
+  EXPECT_TRUE(progress_text(frame).endsWith("far-field"));
+}
+
+}  // namespace
+}  // namespace lumifield
