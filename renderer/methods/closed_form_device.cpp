@@ -14,6 +14,8 @@ namespace lumifield {
 namespace {
 
 constexpr std::size_t work_group = 64;
+/// Receivers of a work-item of the grid's kernel: on a processor as many as share its nearest cache.
+constexpr std::size_t bunch_on_cpu = 16;
 /// Images held on the device at a time.
 constexpr std::size_t batch_bytes = std::size_t(256) << 20;
 
@@ -23,6 +25,39 @@ struct BatchCell {
   const CellImage* image;
   double sign;
 };
+
+/// Cells that one run takes, sorted, and the part of the grid that they span.
+struct Tile {
+  std::span<const BatchCell> cells;
+  CellIndex first;
+  int rows, columns;
+
+  explicit Tile(std::span<const BatchCell> all) : cells(all), first(all.front().index) {
+    CellIndex last = first;
+    for (const BatchCell& each : all) {
+      first = {std::min(first.row, each.index.row), std::min(first.column, each.index.column)};
+      last = {std::max(last.row, each.index.row), std::max(last.column, each.index.column)};
+    }
+    rows = last.row - first.row + 1;
+    columns = last.column - first.column + 1;
+  }
+  /// Whether what the cells of its rows and columns share is worth the taking; the grid's kernel takes no cell away.
+  bool is_dense() const {
+    return 2 * cells.size() > static_cast<std::size_t>(rows + columns) &&
+           std::all_of(cells.begin(), cells.end(), [](const BatchCell& each) { return each.sign > 0; });
+  }
+};
+
+/// The number of the tile that a cell is in.
+CellIndex tile_of(CellIndex cell) { return {cell.row / GRID_CELLS, cell.column / GRID_CELLS}; }
+
+/// The first cells of a sorted batch, those of one tile.
+Tile first_tile(std::span<const BatchCell> batch) {
+  const auto end = std::find_if(batch.begin(), batch.end(), [&](const BatchCell& each) {
+    return tile_of(each.index) != tile_of(batch.front().index);
+  });
+  return Tile(batch.first(static_cast<std::size_t>(end - batch.begin())));
+}
 
 template <class T>
 std::span<const std::byte> bytes_of(const std::vector<T>& values) {
@@ -49,11 +84,12 @@ std::optional<std::size_t> first_not_finite(const std::vector<ClosedFormReceiver
 struct ClosedFormDevice::Impl {
   LuminaireGeometry geometry;
   std::unique_ptr<OpenClDevice> device;
-  DeviceKernel kernel;
+  DeviceKernel kernel, grid_kernel;
+  std::size_t bunch = 1;  ///< receivers of a work-item of grid_kernel
   ClosedFormGeometry shared{};
   DeviceImages layout;
   DeviceBuffer receivers, levels, sums;
-  DeviceBuffer cells, images;
+  DeviceBuffer cells, images, centers, row_begins;
   std::vector<ClosedFormReceiver> of_picture;  ///< kept for its memory
   double next_lod = 0;                         ///< of the next receivers
   double last_kernel_s = 0;
@@ -61,10 +97,13 @@ struct ClosedFormDevice::Impl {
   std::size_t channels() const { return geometry.channels.size(); }
   std::size_t cell_bytes() const { return layout.image_floats() * sizeof(float); }
   Status make_room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose) const;
+  template <class T>
+  Status fill(DeviceBuffer& buffer, const std::vector<T>& values, std::string_view purpose) const;
   Status take_receivers(const std::vector<ClosedFormReceiver>& all);
   Status add(std::span<const BatchCell> all);
   Status upload(std::span<const BatchCell> batch);
-  Status run(std::span<const BatchCell> batch);
+  Status run(const Tile& tile, std::size_t first_image);
+  Status prepare_grid(const Tile& tile);
 };
 
 ClosedFormDevice::ClosedFormDevice(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -98,19 +137,22 @@ Result<std::unique_ptr<ClosedFormDevice>> ClosedFormDevice::create(const Luminai
                   0,
                   0,
                   0,
-                  0,
-                  0,
                   0};
 
   // The device and its kernel.
   auto device = OpenClDevice::create();
   if (!device) return tl::unexpected(device.error());
   impl->device = std::move(*device);
+  if (impl->device->is_cpu()) impl->bunch = bunch_on_cpu;
   const std::string options = "-DBASIS=" + std::to_string(static_cast<int>(s.basis)) +
-                              " -DCHANNELS=" + std::to_string(geometry.channels.size());
+                              " -DCHANNELS=" + std::to_string(geometry.channels.size()) +
+                              " -DBUNCH=" + std::to_string(impl->bunch);
   auto kernel = impl->device->build("closed_form", options, "closed_form_add");
   if (!kernel) return tl::unexpected(kernel.error());
+  auto grid_kernel = impl->device->another(*kernel, "closed_form_add_grid");
+  if (!grid_kernel) return tl::unexpected(grid_kernel.error());
   impl->kernel = *kernel;
+  impl->grid_kernel = *grid_kernel;
   return std::unique_ptr<ClosedFormDevice>(new ClosedFormDevice(std::move(impl)));
 }
 
@@ -170,39 +212,68 @@ Status ClosedFormDevice::set_receivers(std::span<const float> p_xyzw, std::span<
   return impl_->take_receivers(all);
 }
 
-/// Images, and the table of cells.
+template <class T>
+Status ClosedFormDevice::Impl::fill(DeviceBuffer& buffer, const std::vector<T>& values,
+                                    std::string_view purpose) const {
+  if (auto room = make_room(buffer, values.size() * sizeof(T), purpose); !room) return room;
+  return device->write(buffer, 0, bytes_of(values));
+}
+
 Status ClosedFormDevice::Impl::upload(std::span<const BatchCell> batch) {
-  const std::size_t bytes = batch.size() * cell_bytes();
-  if (auto room = make_room(images, bytes, "cell images"); !room) return room;
-  std::vector<ClosedFormCell> table;
+  if (auto room = make_room(images, batch.size() * cell_bytes(), "cell images"); !room) return room;
   std::vector<float> packed;
   for (std::size_t k = 0; k < batch.size(); ++k) {
     layout.pack(*batch[k].image, packed);
     if (auto written = device->write(images, k * cell_bytes(), bytes_of(packed)); !written) return written;
-    const Vec2 u = geometry.sampling.cell_center_mm(batch[k].index);
-    table.push_back({u.x(), u.y(), batch[k].sign, static_cast<int>(k * channels()), 0});
   }
-  if (auto room = make_room(cells, table.size() * sizeof(ClosedFormCell), "cells"); !room) return room;
-  return device->write(cells, 0, bytes_of(table));
+  return {};
 }
 
-/// One run for each row of the grid: its cells share the weights of their rows, and the pixels that neighbouring
-/// receivers see of them stay in the nearest cache.
-Status ClosedFormDevice::Impl::run(std::span<const BatchCell> batch) {
-  kernel.set(1, receivers);
-  kernel.set(2, cells);
-  kernel.set(3, images);
-  kernel.set(4, levels);
-  kernel.set(5, sums);
-  for (std::size_t begin = 0, end = 0; begin < batch.size(); begin = end) {
-    while (end < batch.size() && batch[end].index.row == batch[begin].index.row) ++end;
-    shared.first_cell = static_cast<int>(begin);
-    shared.cells = static_cast<int>(end - begin);
-    kernel.set(0, shared);
-    const auto seconds = device->run(kernel, static_cast<std::size_t>(shared.receivers), work_group);
-    if (!seconds) return tl::unexpected(seconds.error());
-    last_kernel_s += *seconds;
+/// The arguments that the grid's kernel takes besides.
+Status ClosedFormDevice::Impl::prepare_grid(const Tile& tile) {
+  std::vector<double> u;
+  std::vector<int> row_begin;
+  for (int k = 0; k < tile.columns; ++k)
+    u.push_back(geometry.sampling.cell_center_mm({tile.first.row, tile.first.column + k}).x());
+  for (int k = 0; k <= tile.rows; ++k) {
+    const CellIndex row{tile.first.row + k, 0};
+    if (k < tile.rows) u.push_back(geometry.sampling.cell_center_mm(row).y());
+    const auto begin =
+        std::find_if(tile.cells.begin(), tile.cells.end(), [&](auto& each) { return each.index >= row; });
+    row_begin.push_back(static_cast<int>(begin - tile.cells.begin()));
   }
+  if (auto filled = fill(centers, u, "rows and columns"); !filled) return filled;
+  if (auto filled = fill(row_begins, row_begin, "rows of cells"); !filled) return filled;
+  grid_kernel.set(6, ClosedFormGrid{tile.columns, tile.rows});
+  grid_kernel.set(7, centers);
+  grid_kernel.set(8, row_begins);
+  return {};
+}
+
+Status ClosedFormDevice::Impl::run(const Tile& tile, std::size_t first_image) {
+  std::vector<ClosedFormCell> table;
+  for (const BatchCell& each : tile.cells) {
+    const Vec2 u = geometry.sampling.cell_center_mm(each.index);
+    table.push_back({u.x(), u.y(), each.sign, static_cast<int>((first_image + table.size()) * channels()),
+                     each.index.column - tile.first.column});
+  }
+  if (auto filled = fill(cells, table, "cells"); !filled) return filled;
+  const bool dense = tile.is_dense();
+  if (dense)
+    if (auto prepared = prepare_grid(tile); !prepared) return prepared;
+  DeviceKernel& runs = dense ? grid_kernel : kernel;
+  shared.cells = static_cast<int>(table.size());
+  runs.set(0, shared);
+  runs.set(1, receivers);
+  runs.set(2, cells);
+  runs.set(3, images);
+  runs.set(4, levels);
+  runs.set(5, sums);
+  const std::size_t each = dense ? bunch : 1;
+  const auto seconds =
+      device->run(runs, (static_cast<std::size_t>(shared.receivers) + each - 1) / each, each > 1 ? 1 : work_group);
+  if (!seconds) return tl::unexpected(seconds.error());
+  last_kernel_s += *seconds;
   return {};
 }
 
@@ -217,7 +288,11 @@ Status ClosedFormDevice::Impl::add(std::span<const BatchCell> all) {
   for (std::size_t begin = 0; begin < all.size(); begin += fit) {
     const auto batch = all.subspan(begin, std::min(fit, all.size() - begin));
     if (auto uploaded = upload(batch); !uploaded) return uploaded;
-    if (auto ran = run(batch); !ran) return ran;
+    for (std::size_t done = 0; done < batch.size();) {
+      const Tile tile = first_tile(batch.subspan(done));
+      if (auto ran = run(tile, done); !ran) return ran;
+      done += tile.cells.size();
+    }
   }
   return {};
 }
@@ -235,7 +310,9 @@ Status ClosedFormDevice::add_cells(std::span<const CellIndex> cells, std::span<c
   std::vector<BatchCell> batch;
   for (std::size_t k = 0; k < cells.size(); ++k)
     if (images[k]) batch.push_back({cells[k], images[k], 1});
-  std::stable_sort(batch.begin(), batch.end(), [](const auto& a, const auto& b) { return a.index < b.index; });
+  std::stable_sort(batch.begin(), batch.end(), [](const auto& a, const auto& b) {
+    return std::pair(tile_of(a.index), a.index) < std::pair(tile_of(b.index), b.index);
+  });
   return impl_->add(batch);
 }
 

@@ -13,8 +13,7 @@ typedef struct ClosedFormGeometry {
   int levels;  ///< of an image, 1 where all is exact
   int plane;   ///< floats from channel to channel, all levels of one after the other
   int receivers;
-  int first_cell, cells;  ///< of the table, in this run
-  int reserved;
+  int cells;  ///< in this run
 } ClosedFormGeometry;
 
 /// One level of detail of the images.
@@ -32,14 +31,20 @@ typedef struct ClosedFormCell {
   double u_x, u_y;  ///< centre on U
   double sign;      ///< +1 adds, −1 takes away what the cell had added
   int image;        ///< its first plane, counted in planes
-  int reserved;
+  int column;       ///< of the run's grid
 } ClosedFormCell;
+
+/// The rows and columns that a run over many cells spans, at most these of each.
+#define GRID_CELLS 16
+typedef struct ClosedFormGrid {
+  int columns, rows;
+} ClosedFormGrid;
 
 #ifndef __OPENCL_C_VERSION__
 #include <cstddef>
 static_assert(sizeof(double) == 8 && sizeof(int) == 4);
-static_assert(sizeof(ClosedFormGeometry) == 104 && offsetof(ClosedFormGeometry, corner_x) == 24 &&
-              offsetof(ClosedFormGeometry, levels) == 80 && offsetof(ClosedFormGeometry, cells) == 96);
+static_assert(sizeof(ClosedFormGeometry) == 96 && offsetof(ClosedFormGeometry, corner_x) == 24 &&
+              offsetof(ClosedFormGeometry, levels) == 80 && offsetof(ClosedFormGeometry, cells) == 92);
 static_assert(sizeof(ClosedFormLevel) == 16 && offsetof(ClosedFormLevel, offset) == 12);
 static_assert(sizeof(ClosedFormReceiver) == 48 && offsetof(ClosedFormReceiver, n_z) == 40);
 static_assert(sizeof(ClosedFormCell) == 32 && offsetof(ClosedFormCell, sign) == 16 &&

@@ -96,11 +96,13 @@ struct OpenClDevice::Impl {
   std::shared_ptr<_cl_command_queue> queue;
   std::string name;
   std::size_t max_buffer_bytes = 0;
+  bool is_cpu = false;
 };
 
 OpenClDevice::OpenClDevice(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 OpenClDevice::~OpenClDevice() = default;
 const std::string& OpenClDevice::name() const { return impl_->name; }
+bool OpenClDevice::is_cpu() const { return impl_->is_cpu; }
 std::size_t OpenClDevice::max_buffer_bytes() const { return impl_->max_buffer_bytes; }
 
 Result<std::unique_ptr<OpenClDevice>> OpenClDevice::create() {
@@ -116,6 +118,7 @@ Result<std::unique_ptr<OpenClDevice>> OpenClDevice::open() {
   impl->device = *device;
   impl->name = text_of(*device, CL_DEVICE_NAME);
   impl->max_buffer_bytes = number_of<cl_ulong>(*device, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
+  impl->is_cpu = (number_of<cl_device_type>(*device, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0;
   int code = 0;
   impl->context.reset(clCreateContext(nullptr, 1, &impl->device, nullptr, nullptr, &code), [](cl_context c) {
     if (c) clReleaseContext(c);
@@ -192,9 +195,21 @@ Result<DeviceKernel> OpenClDevice::build(std::string_view source, const std::str
     log.resize(std::min(log.find('\0'), log.size()));
     return fail("kernel " + std::string(source) + " does not build: " + log, name(), choose_another);
   }
+  return take(program.get(), function);
+}
+
+Result<DeviceKernel> OpenClDevice::another(const DeviceKernel& kernel, const std::string& function) {
+  cl_program program = nullptr;
+  const int code = clGetKernelInfo(kernel.handle_.get(), CL_KERNEL_PROGRAM, sizeof program, &program, nullptr);
+  if (code != CL_SUCCESS) return failed("taking kernel " + function, code, name());
+  return take(program, function);
+}
+
+Result<DeviceKernel> OpenClDevice::take(_cl_program* program, const std::string& function) const {
   DeviceKernel kernel;
   kernel.name_ = function;
-  kernel.handle_.reset(clCreateKernel(program.get(), function.c_str(), &code), [](cl_kernel k) {
+  int code = 0;
+  kernel.handle_.reset(clCreateKernel(program, function.c_str(), &code), [](cl_kernel k) {
     if (k) clReleaseKernel(k);
   });
   if (code != CL_SUCCESS) return failed("taking kernel " + function, code, name());

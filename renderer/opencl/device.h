@@ -11,6 +11,7 @@
 // OpenCL's own opaque handles.
 struct _cl_mem;
 struct _cl_kernel;
+struct _cl_program;
 
 namespace lumifield {
 
@@ -58,6 +59,8 @@ class OpenClDevice {
   ~OpenClDevice();
 
   const std::string& name() const;
+  /// Whether its work-items run on the host's processor, one after the other in each thread.
+  bool is_cpu() const;
   /// Largest single buffer.
   std::size_t max_buffer_bytes() const;
 
@@ -70,6 +73,9 @@ class OpenClDevice {
   /// Compiles the embedded source `source` and takes one function of it. An Error holds the compiler's log.
   Result<DeviceKernel> build(std::string_view source, const std::string& options, const std::string& function);
 
+  /// Another function of a kernel's source, as built for it.
+  Result<DeviceKernel> another(const DeviceKernel& kernel, const std::string& function);
+
   /// Runs ⌈items/group⌉·group work-items and waits. Gives the kernel's time by OpenCL's profiling, seconds.
   Result<double> run(DeviceKernel& kernel, std::size_t items, std::size_t group);
 
@@ -78,6 +84,7 @@ class OpenClDevice {
   struct Impl;
   explicit OpenClDevice(std::unique_ptr<Impl> impl);
   static Result<std::unique_ptr<OpenClDevice>> open();
+  Result<DeviceKernel> take(_cl_program* program, const std::string& function) const;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -184,5 +184,53 @@ TEST(LevelOfDetailDevice, LongRowsEqualTheHost) {
   }
 }
 
+/// A grid of more rows and columns than are summed at once, its supports of a few pixels to some dozens, some cut by
+/// the horizon or below it, a cell missing here and there.
+TEST(LevelOfDetailDevice, LargeGridsEqualTheHost) {
+  for (const BasisKind basis : {BasisKind::bell, BasisKind::bspline2}) {
+    LuminaireGeometry g;
+    g.planes.separation_mm = 40;
+    g.sampling = {basis, {5, 6}, 19, 18, {3, 1}};
+    g.measurement = {70, 60, {1, 0.75}, {2, -3}};
+    g.channels = {"R", "G", "B"};
+    LightField field(g);
+    std::mt19937 random(71);
+    std::uniform_real_distribution<float> value(0, 1);
+    for (int flat = 0; flat < g.sampling.cells(); ++flat) {
+      if (flat % 11 == 5) continue;
+      CellImage image{70, 60, 3, std::vector<float>(12600), {}, {}};
+      for (float& v : image.value) v = value(random);
+      ASSERT_TRUE(field.add(g.sampling.index(flat), std::move(image)));
+    }
+    auto device = ClosedFormDevice::create(g);
+    if (!device) GTEST_SKIP() << device.error().message();
+    std::uniform_real_distribution<double> unit(-1, 1);
+    std::vector<Receiver> receivers;
+    for (int k = 0; k < 50; ++k) {
+      const double z = k % 3 == 0   ? 12 + 8 * unit(random)
+                       : k % 3 == 1 ? 40 + 10 * unit(random)
+                                    : 400 + 200 * unit(random);
+      const Vec3 n =
+          k % 5 == 0 ? Vec3(unit(random), unit(random), 0.3 * unit(random)) : Vec3(0.2 * unit(random), 0, -1);
+      receivers.push_back({{z * unit(random), 0.7 * z * unit(random), z}, n.normalized()});
+    }
+    const Cells cells(field);
+    for (double lod : {0.0, 8.0, 3.0}) {
+      const ClosedForm host(field, lod);
+      ASSERT_TRUE((*device)->set_lod(lod));
+      ASSERT_TRUE((*device)->set_receivers(receivers));
+      ASSERT_TRUE((*device)->add_cells(cells.indices, cells.images));
+      std::vector<double> e;
+      ASSERT_TRUE((*device)->read(e));
+      for (std::size_t k = 0; k < e.size(); ++k) {
+        // The images are positive: E is its own magnitude.
+        const double expected = host.irradiance(receivers[k / 3])[k % 3];
+        EXPECT_LE(std::abs(e[k] - expected), (k / 3 % 5 == 0 ? 1e-3 : 1e-5) * expected)
+            << to_string(basis) << ", T = " << lod << ", p " << receivers[k / 3].p_mm.transpose();
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lumifield
