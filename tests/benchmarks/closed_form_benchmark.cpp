@@ -1,5 +1,6 @@
-// Kernel time of the closed form: one cell against all 63, and levels of detail against exact with their error on a
-// smooth luminaire, one and three channels. Not a test: run it alone on the machine.
+// Time of the closed form: one cell against all 63, and levels of detail against exact with their error on a smooth
+// luminaire, one and three channels; the multiply-adds of the pixels seen, as a share of what a core can do. Not a
+// test: run it alone on the machine.
 //
 //   closed_form_benchmark [width height [repeats]]
 
@@ -13,7 +14,9 @@
 #include <random>
 #include <vector>
 
+#include "renderer/methods/axis_weights.h"
 #include "renderer/methods/closed_form.h"
+#include "renderer/methods/image_levels.h"
 
 namespace lumifield {
 namespace {
@@ -76,6 +79,65 @@ double processor_s() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+#if defined(__x86_64__)
+/// Float multiply-adds per second of this core: twelve vectors of N, each waiting for itself only.
+#define MULTIPLY_ADDS(NAME, TARGET, N)                                                                      \
+  __attribute__((target(TARGET))) double NAME() {                                                           \
+    typedef float Vector __attribute__((vector_size(4 * N)));                                               \
+    constexpr int vectors = 12, rounds = 10'000'000;                                                        \
+    Vector sum[vectors], factor, term;                                                                      \
+    for (int i = 0; i < N; ++i) factor[i] = 0.999f, term[i] = 1e-3f;                                        \
+    _Pragma("GCC unroll 12") for (int i = 0; i < vectors; ++i) asm volatile("" : "=v"(sum[i]) : "0"(term)); \
+    const double begin = processor_s();                                                                     \
+    for (int k = 0; k < rounds; ++k) {                                                                      \
+      _Pragma("GCC unroll 12") for (int i = 0; i < vectors; ++i) sum[i] = sum[i] * factor + term;           \
+    }                                                                                                       \
+    const double seconds = processor_s() - begin;                                                           \
+    _Pragma("GCC unroll 12") for (int i = 0; i < vectors; ++i) asm volatile("" : : "v"(sum[i]));            \
+    return double(N) * vectors * rounds / seconds;                                                          \
+  }
+MULTIPLY_ADDS(multiply_adds_of_16, "avx512f", 16)
+MULTIPLY_ADDS(multiply_adds_of_8, "avx2,fma", 8)
+#undef MULTIPLY_ADDS
+
+double peak_multiply_adds() {
+  if (__builtin_cpu_supports("avx512f")) return std::max(multiply_adds_of_16(), multiply_adds_of_16());
+  return __builtin_cpu_supports("fma") ? std::max(multiply_adds_of_8(), multiply_adds_of_8()) : NAN;
+}
+#else
+double peak_multiply_adds() { return NAN; }
+#endif
+
+/// Pixels that one axis of all cells of a row or column shows, at a level of detail.
+double pixels_seen(const LuminaireGeometry& g, const Receiver& receiver, int axis, int level) {
+  const ReceiverAxis at{g.planes.separation_mm, receiver.p_mm.z(), receiver.p_mm[axis]};
+  const double times = std::ldexp(1.0, level);
+  const int width = axis == 0 ? g.measurement.width_px : g.measurement.height_px;
+  double pixels = 0;
+  for (int k = 0; k < (axis == 0 ? g.sampling.columns : g.sampling.rows); ++k) {
+    const double u = g.sampling.cell_center_mm(axis == 0 ? CellIndex{0, k} : CellIndex{k, 0})[axis];
+    const AxisWeights weights =
+        axis_weights(Basis(g.sampling.basis), at,
+                     {u, g.sampling.spacing_mm[axis], g.measurement.corner_mm()[axis],
+                      g.measurement.pixel_mm[axis] * times, static_cast<int>(std::ceil(width / times))});
+    for (const AxisWeights::Pixel& pixel : weights.pixels) pixels += pixel.w0 > 0;
+  }
+  return pixels;
+}
+
+/// Multiply-adds of the sums over pixels, two for each and channel, estimated from every 101st receiver.
+double multiply_adds(const LuminaireGeometry& g, const std::vector<Receiver>& receivers, double lod) {
+  const double spacing_px = g.sampling.spacing_mm.cwiseQuotient(g.measurement.pixel_mm).maxCoeff();
+  double pixels = 0, counted = 0;
+  for (std::size_t k = 0; k < receivers.size(); k += 101, ++counted) {
+    const double height = receivers[k].p_mm.z(), r = (height - g.planes.separation_mm) / height;
+    const double span = std::abs(r) * spacing_px * 2 * Basis(g.sampling.basis).half_support();
+    const int level = level_of_detail(lod, span, coarsest_level(g.measurement.width_px, g.measurement.height_px));
+    pixels += pixels_seen(g, receivers[k], 0, level) * pixels_seen(g, receivers[k], 1, level);
+  }
+  return 2 * static_cast<double>(g.channels.size()) * pixels * static_cast<double>(receivers.size()) / counted;
 }
 
 /// The least of the repeats, which other work disturbs least.
@@ -144,7 +206,9 @@ bool report(int width, int height, int repeats, std::vector<std::string> channel
               static_cast<int>(geometry.channels.size()), start_up.count());
 
   std::vector<Detail> details{{0, {}, {}, {}}, {8, {}, {}, {}}, {4, {}, {}, {}}};
-  if (!measure(bench, wavy_floor(width, height), repeats, details)) return false;
+  const std::vector<Receiver> receivers = wavy_floor(width, height);
+  if (!measure(bench, receivers, repeats, details)) return false;
+  const double peak = peak_multiply_adds();
   const Detail& exact = details.front();
   for (const Detail& detail : details) {
     std::printf("  %s: one cell %.1f ms (with upload %.1f), 63 cells %.0f ms, ratio 1/%.1f, in processor time 1/%.1f\n",
@@ -153,6 +217,10 @@ bool report(int width, int height, int repeats, std::vector<std::string> channel
                                   : "T = 4",
                 1e3 * detail.one.kernel_s, 1e3 * detail.one.wall_s, 1e3 * detail.all.kernel_s,
                 detail.all.kernel_s / detail.one.kernel_s, detail.all.cpu_s / detail.one.cpu_s);
+    const double done = multiply_adds(geometry, receivers, detail.lod);
+    std::printf("         processor time %.0f ms, one cell %.1f ms; %.1f G multiply-adds of %.0f G/s a core: %.0f %%\n",
+                1e3 * detail.all.cpu_s, 1e3 * detail.one.cpu_s, 1e-9 * done, 1e-9 * peak,
+                100 * done / (peak * detail.all.cpu_s));
     if (detail.lod > 0)
       std::printf("         63 cells %.2f of exact, in processor time %.2f; relative RMSE %.2f %%\n",
                   detail.all.kernel_s / exact.all.kernel_s, detail.all.cpu_s / exact.all.cpu_s,
