@@ -16,7 +16,7 @@
 
 namespace lumifield {
 
-/// Typed reading of JSON files, internal to this room.
+/// Typed reading of JSON files, for the sources that read one.
 ///
 /// A document remembers the first thing found wrong and its place ("bench.json: camera.readout_s"); after that every
 /// access returns a value of the asked type without meaning, so that a parser reads straight through and asks

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "luminaire/error.h"
+#include "renderer/study/study.h"
+
+namespace lumifield {
+
+/// A study on disk: `study.json` ("format": "lumifield-study", version 1), and its three lists as CSV for other
+/// programs. Members are named as those of Study; a result that is not finite (a refusal has no error, the paper not
+/// every number) is null, in CSV an empty field. All functions are reentrant.
+
+inline constexpr std::string_view study_file_name = "study.json";
+
+std::string study_json(const Study& study);
+
+/// `name` stands for the file. Refuses other formats and versions, and what is out of range, with its place.
+Result<Study> parse_study(std::string_view json, std::string_view name);
+Result<Study> read_study(const std::filesystem::path& file);
+
+/// Writes study.json, points.csv, stability.csv and figures.csv into `folder`, made where it is not there. Files of
+/// these names are replaced.
+Status write_study(const Study& study, const std::filesystem::path& folder);
+
+}  // namespace lumifield
