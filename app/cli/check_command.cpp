@@ -5,6 +5,7 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/print_result.h"
+#include "app/session/study_file.h"
 #include "luminaire/bench.h"
 #include "luminaire/dataset.h"
 #include "luminaire/plan.h"
@@ -49,11 +50,12 @@ Result<std::string> format_of(const std::string& path) {
   std::error_code wrong;
   const auto bytes = std::filesystem::file_size(path, wrong);
   if (wrong) return fail("cannot be read: " + wrong.message(), path, "check the path");
-  if (bytes > largest_bytes) return fail("is larger than any bench, plan or scene", path, "check the path");
+  if (bytes > largest_bytes) return fail("is larger than any bench, plan, scene or study", path, "check the path");
   std::ifstream stream(path);
   const auto json = nlohmann::json::parse(stream, nullptr, false);
   if (!json.is_object() || !json.contains("format") || !json["format"].is_string())
-    return fail("is no JSON object with a \"format\"", path, "name a dataset folder, a bench, a plan or a scene");
+    return fail("is no JSON object with a \"format\"", path,
+                "name a dataset folder, a bench, a plan, a scene or a study");
   return json["format"].get<std::string>();
 }
 
@@ -76,10 +78,12 @@ Finding check_file(const std::string& path) {
     take(finding, read_plan(path, &finding.notes));
   else if (*format == "lumifield-scene")
     take(finding, read_scene(path, &finding.notes));
+  else if (*format == "lumifield-study")
+    take(finding, read_study(path));
   else
-    finding.problems.push_back(
-        Error{"format '" + *format + "' is not known", path, "name a dataset folder, a bench, a plan or a scene"}
-            .message());
+    finding.problems.push_back(Error{"format '" + *format + "' is not known", path,
+                                     "name a dataset folder, a bench, a plan, a scene or a study"}
+                                   .message());
   return finding;
 }
 

@@ -135,7 +135,8 @@ void add_probe(CLI::App& app, ProbeOptions& o) {
 }
 
 void add_check(CLI::App& app, CheckOptions& o) {
-  CLI::App* check = app.add_subcommand("check", "Check datasets (every file, every number), benches, plans and scenes");
+  CLI::App* check =
+      app.add_subcommand("check", "Check datasets (every file, every number), benches, plans, scenes and studies");
   check->add_option("paths", o.paths, "Dataset folders and JSON files")->required();
   check->add_flag("--json", o.json, "Print the findings as one JSON object");
 }
