@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "renderer/study/study.h"
+
+namespace lumifield {
+
+/// A study as it is drawn: relative RMSE in percent against time in milliseconds, both logarithmic, a plot for each
+/// luminaire, all with the same axes. Times of pictures of different sizes do not compare: the size that most points
+/// have is drawn, the others are counted. Value types.
+
+/// One method on one device, in the order of its cost.
+struct StudySeries {
+  Method method = Method::closed_form;
+  std::string device;
+  std::vector<StudyPoint> line;   ///< within the axes
+  std::vector<StudyPoint> exact;  ///< below the error axis: no error, or one of float arithmetic's own size
+};
+
+struct StudyPlot {
+  std::string luminaire;
+  std::vector<StudySeries> series;  ///< in the order of the methods
+};
+
+struct StudyPlots {
+  std::vector<StudyPlot> plots;  ///< in the study's order
+  double time_from_ms = 1, time_to_ms = 10;
+  double error_from_percent = 1, error_to_percent = 10;
+  int width_px = 0, height_px = 0;  ///< of the pictures whose times are drawn
+  int other_size = 0;               ///< points left out: of a picture of another size
+  int not_finite = 0;               ///< points left out: without a time or an error
+};
+
+/// The error axis goes no lower.
+inline constexpr double least_error_percent = 1e-3;
+
+/// The cost at which a method is slowest comes last: more samples, more lights, more pixels and, last, all of them.
+double cost_order(const StudyPoint& point);
+
+/// "T = 4", "exact", "K = 200", "64 lights"; empty for a method without a cost.
+std::string cost_text(const StudyPoint& point);
+
+StudyPlots plots_of(const Study& study);
+
+}  // namespace lumifield
