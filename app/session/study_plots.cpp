@@ -60,7 +60,7 @@ void add(StudyPlots& plots, const StudyPoint& point) {
   (is_exact(point) ? series.exact : series.line).push_back(point);
 }
 
-/// A decade at least, whole at the lower end of the errors: the exact ones stand there.
+/// A decade at least. Where there are exact points, which stand at the lower end of the errors, the others keep off it.
 void set_axes(StudyPlots& plots, const std::vector<StudyPoint>& points) {
   if (points.empty()) return;
   constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -75,7 +75,8 @@ void set_axes(StudyPlots& plots, const std::vector<StudyPoint>& points) {
   plots.time_from_ms = round_down(time_from);
   plots.time_to_ms = std::max(round_up(time_to), 10 * plots.time_from_ms);
   if (error_to == 0) return;
-  plots.error_from_percent = std::pow(10, std::floor(std::log10(error_from) + 1e-12));
+  const bool exact = std::ranges::any_of(points, is_exact);
+  plots.error_from_percent = std::pow(10, std::floor(std::log10(exact ? error_from / 2 : error_from) + 1e-12));
   plots.error_to_percent = std::max(round_up(error_to), 10 * plots.error_from_percent);
 }
 

@@ -16,7 +16,7 @@ struct StudySeries {
   Method method = Method::closed_form;
   std::string device;
   std::vector<StudyPoint> line;   ///< within the axes
-  std::vector<StudyPoint> exact;  ///< below the error axis: no error, or one of float arithmetic's own size
+  std::vector<StudyPoint> exact;  ///< with an error below least_error_percent
 };
 
 struct StudyPlot {
@@ -33,7 +33,7 @@ struct StudyPlots {
   int not_finite = 0;               ///< points left out: without a time or an error
 };
 
-/// The error axis goes no lower.
+/// Smaller errors are drawn as exact: they are of float arithmetic's own size.
 inline constexpr double least_error_percent = 1e-3;
 
 /// The cost at which a method is slowest comes last: more samples, more lights, more pixels and, last, all of them.

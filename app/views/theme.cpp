@@ -2,7 +2,6 @@
 
 #include <QApplication>
 #include <QPainter>
-#include <QPalette>
 #include <QProxyStyle>
 #include <QStyleOption>
 
@@ -69,15 +68,20 @@ Theme theme_of(const QString& word) {
 
 QString word_of(Theme theme) { return theme == Theme::light ? "light" : theme == Theme::dark ? "dark" : "system"; }
 
-void apply(Theme theme) {
-  if (theme == Theme::light)
-    QApplication::setPalette(palette_of(
-        {"#f2f2f0", "#ffffff", "#f7f7f5", "#1b1b1b", "#8a8a88", "#e6e6e3", "#2f6db5", "#ffffff", "#1f5fae"}));
-  else if (theme == Theme::dark)
-    QApplication::setPalette(palette_of(
-        {"#2a2b2d", "#3b3d41", "#33353a", "#e6e6e4", "#85868a", "#3a3b3e", "#4d8ad0", "#ffffff", "#7fb2ec"}));
-  else
-    QApplication::setPalette(QPalette());
+QPalette palette_of(Theme theme) {
+  switch (theme) {
+    case Theme::light:
+      return palette_of(
+          {"#f2f2f0", "#ffffff", "#f7f7f5", "#1b1b1b", "#8a8a88", "#e6e6e3", "#2f6db5", "#ffffff", "#1f5fae"});
+    case Theme::dark:
+      return palette_of(
+          {"#2a2b2d", "#3b3d41", "#33353a", "#e6e6e4", "#85868a", "#3a3b3e", "#4d8ad0", "#ffffff", "#7fb2ec"});
+    case Theme::system:
+      break;
+  }
+  return {};
 }
+
+void apply(Theme theme) { QApplication::setPalette(palette_of(theme)); }
 
 }  // namespace lumifield

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <QPalette>
 #include <QString>
 
 namespace lumifield {
@@ -10,6 +11,9 @@ enum class Theme { system, light, dark };
 /// Of the settings file; unknown words are `system`.
 Theme theme_of(const QString& word);
 QString word_of(Theme theme);
+
+/// `system`: the style's own.
+QPalette palette_of(Theme theme);
 
 /// Changes the running application's palette.
 void apply(Theme theme);

@@ -72,8 +72,8 @@ TEST(StudyPlots, AxesHoldADecadeAndWhatHasNoErrorNeedsNone) {
   EXPECT_LT(plots.error_from_percent, plots.error_to_percent);
   study.points.push_back(point(Method::far_field, "bike", 0, 300, 0.1));
   plots = plots_of(study);
-  EXPECT_NEAR(plots.error_from_percent, 10, 1e-9);
-  EXPECT_NEAR(plots.error_to_percent, 100, 1e-9);
+  EXPECT_NEAR(plots.error_from_percent, 1, 1e-9);  // clear of the exact one at the lower edge
+  EXPECT_NEAR(plots.error_to_percent, 10, 1e-9);
   EXPECT_TRUE(plots_of({}).plots.empty());
 }
 
