@@ -81,6 +81,7 @@ void MainWindow::make_panels() {
   notices_dock_ = make_dock(tr("Notices"), "notices", notices_, Qt::RightDockWidgetArea);
   scan_dock_ = make_dock(tr("Scan"), "scan", scan_, Qt::BottomDockWidgetArea);
   scan_dock_->setTitleBarWidget(new QWidget(this));  // its buttons say what it is
+  make_study();
 }
 
 QDockWidget* MainWindow::make_dock(const QString& title, const QString& name, QWidget* content,
@@ -109,6 +110,7 @@ void MainWindow::lay_out() {
   tabifyDockWidget(cell_dock_, bench_dock_);
   tabifyDockWidget(bench_dock_, notices_dock_);
   for (QDockWidget* dock : docks) dock->show();
+  lay_out_study();
   bench_dock_->raise();
   resizeDocks({grid_dock_, cell_dock_}, {420, 420}, Qt::Horizontal);
   resizeDocks({grid_dock_, bench_dock_}, {220, 480}, Qt::Vertical);
@@ -167,7 +169,10 @@ void MainWindow::show_state() {
   luminaire_label_->setText(tr("%1 · %2").arg(QString::fromStdString(workbench_->folder().string()), count));
 }
 
-void MainWindow::open(const QString& path) { workbench_->open(dataset_of(path).toStdString()); }
+void MainWindow::open(const QString& path) {
+  if (is_study(path)) return show_study(path);
+  workbench_->open(dataset_of(path).toStdString());
+}
 
 void MainWindow::new_scan(const QString& bench, const QString& plan, const QString& out, bool start) {
   start_when_prepared_ = start;
@@ -218,11 +223,11 @@ void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
   if (event->mimeData()->hasUrls()) event->acceptProposedAction();
 }
 
-/// A .json file that is no manifest is a scene, by its name; all else a dataset.
+/// study.json is a study; a .json file that is no manifest either is a scene, by its name; all else a dataset.
 void MainWindow::dropEvent(QDropEvent* event) {
   for (const QUrl& url : event->mimeData()->urls()) {
     const QString path = url.toLocalFile();
-    if (path.endsWith(".json") && QFileInfo(path).fileName() != "luminaire.json")
+    if (path.endsWith(".json") && QFileInfo(path).fileName() != "luminaire.json" && !is_study(path))
       show_scene(path);
     else
       open(path);

@@ -26,10 +26,11 @@ class PreviewThread;
 class RecentLuminaires;
 class ScanPanel;
 class StartPage;
+class StudyPanel;
 
 /// The one window: the scene lit by what is measured in the middle; grid, cell, bench and notices beside it; the scan
-/// below. A dataset opens by menu, recent list, drop or command line. Closing it while a scan runs asks, and loses
-/// nothing. Layout, theme and recent files are remembered. GUI thread.
+/// below. A dataset opens by menu, recent list, drop or command line, a study likewise in a window of its own. Closing
+/// it while a scan runs asks, and loses nothing. Layout, theme and recent files are remembered. GUI thread.
 class MainWindow : public QMainWindow {
   Q_OBJECT
 
@@ -40,10 +41,13 @@ class MainWindow : public QMainWindow {
   Workbench& workbench() { return *workbench_; }
   QAction* retake_action() const { return retake_; }
 
+  /// A dataset's folder or manifest, or a study.json.
   void open(const QString& path);
   /// Prepares a scan and, when told so, starts it.
   void new_scan(const QString& bench, const QString& plan, const QString& out, bool start);
   void show_scene(const QString& file);
+  /// A study.json, in the study's dock; one that cannot be read becomes a notice.
+  void show_study(const QString& file);
   /// Ends a scan that runs, then closes.
   void close_without_asking();
 
@@ -62,7 +66,11 @@ class MainWindow : public QMainWindow {
   void join_preview();
   void join_cells();
   void join_scan();
+  void make_study();
   void lay_out();
+  void lay_out_study();
+  void show_study_dock();
+  static bool is_study(const QString& path);
   void restore();
   void save() const;
   void show_state();
@@ -83,8 +91,9 @@ class MainWindow : public QMainWindow {
   BenchPanel* bench_;
   NoticesPanel* notices_;
   ScanPanel* scan_;
+  StudyPanel* study_ = nullptr;
   QDockWidget *grid_dock_ = nullptr, *cell_dock_ = nullptr, *bench_dock_ = nullptr, *notices_dock_ = nullptr,
-              *scan_dock_ = nullptr;
+              *scan_dock_ = nullptr, *study_dock_ = nullptr;
   QMenu* recent_menu_ = nullptr;
   QActionGroup* themes_ = nullptr;
   QAction* retake_ = nullptr;

@@ -15,6 +15,7 @@
 #include "app/views/scan_controls.h"
 #include "app/views/scan_panel.h"
 #include "app/views/start_page.h"
+#include "app/views/study_panel.h"
 
 namespace lumifield {
 
@@ -46,6 +47,7 @@ void MainWindow::make_file_menu() {
   file->addAction(tr("&New scan…"), QKeySequence::New, start_page_, &StartPage::choose_scan);
   file->addAction(tr("&Open luminaire…"), QKeySequence::Open, start_page_, &StartPage::choose_luminaire);
   recent_menu_ = file->addMenu(tr("Open &recent"));
+  file->addAction(tr("Open s&tudy…"), QKeySequence(tr("Ctrl+Shift+O")), study_, &StudyPanel::choose);
   file->addSeparator();
   file->addAction(tr("&Quit"), QKeySequence::Quit, this, &QWidget::close);
   connect(recent_, &RecentLuminaires::changed, this, &MainWindow::show_recent);
@@ -70,6 +72,8 @@ void MainWindow::make_view_menu() {
                       dock->raise();
                     });
   }
+  view->addAction(study_dock_->windowTitle(), QKeySequence(Qt::ALT | static_cast<Qt::Key>(Qt::Key_0 + number)), this,
+                  &MainWindow::show_study_dock);
   view->addAction(tr("&Reset layout"), this, &MainWindow::lay_out);
   QMenu* themes = view->addMenu(tr("&Theme"));
   themes_ = new QActionGroup(this);

@@ -90,7 +90,8 @@ StudyChart::StudyChart(QWidget* parent) : QWidget(parent), view_(new QGraphicsVi
   view_->setRenderHint(QPainter::Antialiasing);
   view_->setAlignment(Qt::AlignLeft | Qt::AlignTop);
   view_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-  view_->setAccessibleName("Chart of error against time");
+  for (QWidget* part : {static_cast<QWidget*>(view_), view_->viewport()})
+    part->setAccessibleName("Chart of error against time");
   view_->viewport()->installEventFilter(this);
   draw();
 }

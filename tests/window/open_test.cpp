@@ -5,6 +5,7 @@
 #include <QApplication>
 #include <QDockWidget>
 #include <QDropEvent>
+#include <QFile>
 #include <QLabel>
 #include <QMenu>
 #include <QMenuBar>
@@ -15,11 +16,15 @@
 #include <QUrl>
 #include <gtest/gtest.h>
 
+#include "app/session/study_file.h"
 #include "app/views/main_window.h"
 #include "app/views/notices_model.h"
 #include "app/views/notices_panel.h"
 #include "app/views/preview_view.h"
 #include "app/views/start_page.h"
+#include "app/views/study_chart.h"
+#include "app/views/study_panel.h"
+#include "tests/support/made_up_study.h"
 
 namespace lumifield {
 namespace {
@@ -111,6 +116,38 @@ TEST_F(OpenTest, WhatIsNoDatasetIsToldAndChangesNothing) {
   EXPECT_EQ(window->workbench().folder(), folder().toStdString());
 }
 
+TEST_F(OpenTest, AStudyOpensByDropInADockAndIsRemembered) {
+  ASSERT_TRUE(write_study(test::made_up_study(), place.path().toStdString()));
+  auto window = make_window();
+  auto* panel = window->findChild<StudyPanel*>();
+  EXPECT_FALSE(panel->isVisible());
+  drop(*window, place.filePath("study.json"));
+  ASSERT_TRUE(QTest::qWaitFor([&] { return panel->isVisible() && panel->chart().isVisible(); }, 10'000));
+  EXPECT_TRUE(window->findChild<StartPage*>()->isVisible());
+  window->findChild<QDockWidget*>("study")->close();
+  window->close();
+  window.reset();
+
+  window = make_window();
+  panel = window->findChild<StudyPanel*>();
+  EXPECT_FALSE(panel->isVisible());
+  window->activateWindow();
+  ASSERT_TRUE(QTest::qWaitForWindowActive(window.get()));
+  QTest::keyClick(window.get(), Qt::Key_6, Qt::AltModifier);
+  EXPECT_TRUE(QTest::qWaitFor([&] { return panel->chart().isVisible(); }, 10'000));
+}
+
+TEST_F(OpenTest, WhatIsNoStudyIsToldAndOpensNoDock) {
+  auto window = make_window();
+  QFile file(place.filePath("study.json"));
+  ASSERT_TRUE(file.open(QIODevice::WriteOnly) && file.write("{}") == 2);
+  file.close();
+  drop(*window, file.fileName());
+  auto* notices = window->findChild<NoticesPanel*>();
+  ASSERT_TRUE(QTest::qWaitFor([&] { return notices->notices().count(OperatorNotice::Level::fault) == 1; }, 10'000));
+  EXPECT_FALSE(window->findChild<StudyPanel*>()->isVisible());
+}
+
 TEST_F(OpenTest, LayoutAndThemeAreRemembered) {
   auto window = make_window();
   window->findChild<QDockWidget*>("grid")->close();
@@ -129,9 +166,13 @@ TEST_F(OpenTest, LayoutAndThemeAreRemembered) {
 }
 
 TEST_F(OpenTest, EveryControlHasANameForScreenReaders) {
+  ASSERT_TRUE(write_study(test::made_up_study(), place.path().toStdString()));
   auto window = make_window();
   drop(*window, folder());
+  drop(*window, place.filePath("study.json"));
   ASSERT_TRUE(shows(*window, 2));
+  auto* study = window->findChild<StudyPanel*>();
+  ASSERT_TRUE(QTest::qWaitFor([&] { return study->chart().isVisible(); }, 10'000));
   for (const QWidget* widget : window->findChildren<QWidget*>()) {
     // Qt's own parts of a control ("qt_…") are read with it.
     if (!widget->isVisible() || widget->focusPolicy() == Qt::NoFocus || widget->objectName().startsWith("qt_"))
