@@ -5,7 +5,6 @@
 #include <cstdarg>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "app/cli/print_result.h"
 
@@ -36,11 +35,6 @@ double largest_drift(const ScanSummary& summary) {
   return largest;
 }
 
-std::string minutes(double seconds) {
-  const long s = std::lround(std::max(0.0, seconds));
-  return format("%ld:%02ld", s / 60, s % 60);
-}
-
 std::string bar(int done, int total) {
   constexpr int width = 30;
   const int filled = total > 0 ? width * done / total : 0;
@@ -56,54 +50,36 @@ std::string there_before(int cells) { return cells > 0 ? format(", %d there befo
 std::string progress_text(const ScanProgress& p) {
   const std::string cells = bar(p.cells_done, p.cells_total) + there_before(p.cells_before);
   const std::string state(to_string(p.state));
-  if (is_final(p.state)) return cells + ", " + state + " after " + minutes(p.elapsed_s);
-  return cells +
-         format(", %s elapsed, %s left, %-10s", minutes(p.elapsed_s).c_str(), minutes(p.left_s).c_str(), state.c_str());
+  if (is_final(p.state)) return cells + ", " + state + " after " + minutes_text(p.elapsed_s);
+  return cells + format(", %s elapsed, %s left, %-10s", minutes_text(p.elapsed_s).c_str(),
+                        minutes_text(p.left_s).c_str(), state.c_str());
 }
 
 std::string done_text(const ScanSummary& s) {
   const std::string cells = bar(s.coverage.measured, s.coverage.total);
   if (s.nothing_left()) return cells + ", done before";
-  return cells + there_before(s.cells_before) + ", done in " + minutes(s.timing.total_s);
+  return cells + there_before(s.cells_before) + ", done in " + minutes_text(s.timing.total_s);
 }
-
-ProgressLine::ProgressLine() : terminal_(isatty(STDERR_FILENO) != 0) {}
 
 void ProgressLine::show(const ScanProgress& progress) {
   if (progress.state == ScanState::done) return;
   const int tenth = progress.cells_total > 0 ? 10 * progress.cells_done / progress.cells_total : 0;
-  if (!terminal_ && tenth == last_tenth_ && !is_final(progress.state)) return;
-  last_tenth_ = tenth;
-  print(progress_text(progress));
+  if (is_final(progress.state))
+    line_.show(progress_text(progress));
+  else
+    line_.show(progress_text(progress), tenth);
 }
 
 void ProgressLine::done(const ScanSummary& summary) {
-  print(done_text(summary));
-  end();
-}
-
-void ProgressLine::print(const std::string& text) {
-  // What is left of a longer line is erased.
-  std::fprintf(stderr, terminal_ ? "\r%s\033[K" : "%s\n", text.c_str());
-  std::fflush(stderr);
-  open_ = terminal_;
-}
-
-void ProgressLine::say(const std::string& text) {
-  end();
-  std::fprintf(stderr, "%s\n", text.c_str());
-}
-
-void ProgressLine::end() {
-  if (open_) std::fputc('\n', stderr);
-  open_ = false;
+  line_.show(done_text(summary));
+  line_.end();
 }
 
 std::string summary_text(const ScanSummary& s) {
   const ScanTiming& t = s.timing;
   const std::string cells = s.dataset.string() + format(": %d of %d cells", s.coverage.measured, s.coverage.total);
   if (s.nothing_left()) return cells + ", complete before: nothing was left to measure\n";
-  std::string text = cells + there_before(s.cells_before) + ", in " + minutes(t.total_s) + "\n";
+  std::string text = cells + there_before(s.cells_before) + ", in " + minutes_text(t.total_s) + "\n";
   text += format("  camera    %s\n  stage     %s\n", s.camera.c_str(), s.stage.c_str());
   text +=
       format("  time      move %.1f s, settle %.1f s, exposure %.1f s, readout %.1f s, waiting %.1f s, other %.1f s\n",

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "app/cli/status_line.h"
 #include "app/session/scan_session.h"
 
 namespace lumifield {
@@ -10,25 +11,18 @@ namespace lumifield {
 std::string progress_text(const ScanProgress& progress);
 std::string done_text(const ScanSummary& summary);
 
-/// The progress of a scan on stderr: one line that is rewritten on a terminal, else a line each tenth of the way and at
-/// its end.
+/// The progress of a scan on stderr; its end is always told.
 class ProgressLine {
  public:
-  ProgressLine();
   /// The state `done` is left to `done`: cells are still stored and shown then.
   void show(const ScanProgress& progress);
   /// The last line, once the dataset is closed.
   void done(const ScanSummary& summary);
-  /// A line of its own between two of progress.
-  void say(const std::string& text);
-  void end();
+  void say(const std::string& text) { line_.say(text); }
+  void end() { line_.end(); }
 
  private:
-  void print(const std::string& text);
-
-  bool terminal_;
-  int last_tenth_ = -1;
-  bool open_ = false;
+  StatusLine line_;
 };
 
 /// The summary as people read it, and as one JSON object.
