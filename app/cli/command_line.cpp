@@ -134,6 +134,20 @@ void add_probe(CLI::App& app, ProbeOptions& o) {
   probe->add_flag("--json", o.json, "Print the figures as one JSON object");
 }
 
+void add_study(CLI::App& app, StudyOptions& o) {
+  CLI::App* study =
+      app.add_subcommand("study", "Set every method's error against its time, and try where methods fail");
+  study->add_option("--luminaire", o.luminaires,
+                    "Dataset folder, or bike, car1, car2, which are built in; may be given more than once (default: "
+                    "all three)");
+  study->add_option("--scene", o.scene, "Scene file")->required();
+  study->add_option("--out", o.out, "Folder for study.json, its tables as CSV, and the chart as SVG and PNG")
+      ->required();
+  study->add_flag("--quick", o.quick, "Few points of each method: minutes instead of up to an hour");
+  study->add_flag("--force", o.force, "Replace the study that is in the folder");
+  study->add_flag("--json", o.json, "Print the summary as one JSON object");
+}
+
 void add_check(CLI::App& app, CheckOptions& o) {
   CLI::App* check =
       app.add_subcommand("check", "Check datasets (every file, every number), benches, plans, scenes and studies");
@@ -161,7 +175,7 @@ void add_window(CLI::App& app, WindowOptions& o) {
   app.add_flag("--start", o.start, "The scan begins by itself")->needs(plan);
 }
 
-int run(int argc, char** argv, RunWindow window) {
+int run(int argc, char** argv, RunWindow window, WriteStudyChart write_chart) {
   CLI::App app("Lumifield scans lamps into light field luminaires and shows how they light a scene.", "lumifield");
   app.set_version_flag("--version", "lumifield " LUMIFIELD_VERSION);
   app.require_subcommand(0, 1);
@@ -171,11 +185,13 @@ int run(int argc, char** argv, RunWindow window) {
   ScanOptions scan;
   RenderOptions render;
   ProbeOptions probe;
+  StudyOptions study;
   CheckOptions check;
   DevicesOptions devices;
   add_scan(app, scan);
   add_render(app, render);
   add_probe(app, probe);
+  add_study(app, study);
   add_check(app, check);
   add_devices(app, devices);
   try {
@@ -187,6 +203,7 @@ int run(int argc, char** argv, RunWindow window) {
   if (app.got_subcommand("scan")) return run_scan(scan);
   if (app.got_subcommand("render")) return run_render(render);
   if (app.got_subcommand("probe")) return run_probe(probe);
+  if (app.got_subcommand("study")) return run_study_command(study, write_chart);
   if (app.got_subcommand("check")) return run_check(check);
   if (app.got_subcommand("devices")) return run_devices(devices);
   if (window_options.start && window_options.bench.empty()) {
@@ -198,9 +215,9 @@ int run(int argc, char** argv, RunWindow window) {
 
 }  // namespace
 
-int run_command_line(int argc, char** argv, RunWindow window) {
+int run_command_line(int argc, char** argv, RunWindow window, WriteStudyChart write_chart) {
   try {
-    return run(argc, argv, window);
+    return run(argc, argv, window, write_chart);
   } catch (const std::bad_alloc&) {
     return report_error({"not enough memory for this", "", "use smaller images or a smaller picture"}, false);
   } catch (const std::exception& error) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/cli/command_line.h"
 #include "luminaire/error.h"
 #include "renderer/methods/method.h"
 
@@ -55,6 +56,13 @@ struct DevicesOptions {
   bool json = false;
 };
 int run_devices(const DevicesOptions& options);
+
+struct StudyOptions {
+  std::vector<std::string> luminaires;  ///< dataset folders or built-in names; none: all that are built in
+  std::string scene, out;
+  bool quick = false, force = false, json = false;
+};
+int run_study_command(const StudyOptions& options, WriteStudyChart write_chart);
 
 /// Of --method, --lod, --samples and --seed, which were checked.
 template <class Options>
