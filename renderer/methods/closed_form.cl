@@ -1,5 +1,5 @@
-// Irradiance in closed form: one work-item per receiver, one running sum in double per receiver and channel.
-// Built with BASIS (0 box, 1 tent, 2 bell, 3 bspline2) and CHANNELS.
+// Irradiance in closed form: one running sum in double per receiver and channel. Built with BASIS (0 box, 1 tent, 2 bell,
+// 3 bspline2), CHANNELS and BUNCH, the receivers of a work-item that adds many cells.
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 
 #ifndef BASIS
@@ -18,8 +18,18 @@
 #include "renderer/methods/closed_form_sum.clh"
 #define WIDTH 16
 #include "renderer/methods/closed_form_wide.clh"
+#define ABREAST 1
+#include "renderer/methods/closed_form_abreast.clh"
+#define ABREAST 3
+#include "renderer/methods/closed_form_abreast.clh"
+#undef WIDTH
 #define WIDTH 8
 #include "renderer/methods/closed_form_wide.clh"
+#define ABREAST 1
+#include "renderer/methods/closed_form_abreast.clh"
+#define ABREAST 3
+#include "renderer/methods/closed_form_abreast.clh"
+#undef WIDTH
 
 // The pixel `number` of an axis as an interval of X within the support.
 double2 interval(double rate, double low, int number) {
@@ -197,13 +207,14 @@ __kernel void closed_form_add_grid(const ClosedFormGeometry geometry, __global c
     see_grid(&geometry, &grid, u, r);
   }
   for (int row = 0; row < grid.rows; ++row)
-    for (int i = 0; i < count; ++i) {
-      if (!all[i].lit) continue;
-      if (all[i].apart)
-        add_row_apart(&geometry, cells, images, row_begin[row], row_begin[row + 1], all + i);
-      else
-        add_row(&geometry, cells, images, row_begin[row], row_begin[row + 1], row, all + i);
-    }
+    for (int channel = 0; channel < CHANNELS; ++channel)
+      for (int i = 0; i < count; ++i) {
+        if (!all[i].lit) continue;
+        if (!all[i].apart)
+          add_row(&geometry, cells, images, row_begin[row], row_begin[row + 1], row, channel, all + i);
+        else if (channel == 0)
+          add_row_apart(&geometry, cells, images, row_begin[row], row_begin[row + 1], all + i);
+      }
   for (int i = 0; i < count; ++i)
     if (all[i].lit) add_sums(&geometry, &all[i].view, all[i].sum, sums + (size_t)(first + i) * CHANNELS);
 }
