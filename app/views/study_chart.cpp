@@ -9,6 +9,7 @@
 #include <QRegularExpression>
 #include <QVBoxLayout>
 #include <QtSvg/QSvgGenerator>
+#include <algorithm>
 #include <optional>
 
 #include "app/views/study_drawing.h"

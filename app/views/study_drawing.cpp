@@ -98,7 +98,7 @@ void StudyDrawing::add_legend() {
     for (QGraphicsItem* part :
          {static_cast<QGraphicsItem*>(line), static_cast<QGraphicsItem*>(mark), static_cast<QGraphicsItem*>(name)})
       part->setToolTip(what);
-    legend_.push_back({method, line, name});
+    legend_.push_back({line, name});
   }
 }
 

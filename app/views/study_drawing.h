@@ -28,7 +28,6 @@ class StudyDrawing : public QGraphicsScene {
 
  private:
   struct LegendEntry {
-    Method method;
     QGraphicsItem* mark;
     QGraphicsSimpleTextItem* name;
   };

@@ -1,6 +1,5 @@
 #include "app/views/study_panel.h"
 
-#include <QDir>
 #include <QFileDialog>
 #include <QHBoxLayout>
 #include <QLabel>

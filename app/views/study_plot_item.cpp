@@ -5,6 +5,7 @@
 #include <QGraphicsPathItem>
 #include <QGraphicsScene>
 #include <QGraphicsSimpleTextItem>
+#include <QPen>
 #include <QTextDocument>
 #include <QtCharts/QChart>
 #include <QtCharts/QLineSeries>

@@ -2,7 +2,6 @@
 
 #include <QFont>
 #include <QPalette>
-#include <QPen>
 #include <QPointF>
 #include <QRectF>
 #include <QString>

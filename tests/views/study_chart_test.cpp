@@ -11,12 +11,14 @@
 #include <QTest>
 #include <QToolTip>
 #include <QXmlStreamReader>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <gtest/gtest.h>
 
 #include "app/views/signal_colours.h"
 #include "app/views/study_marks.h"
+#include "app/views/study_plot_item.h"
 #include "app/views/theme.h"
 #include "tests/support/dataset_folder.h"
 #include "tests/support/made_up_study.h"
@@ -50,6 +52,7 @@ std::array<double, 3> lab_as_seen(const QColor& colour, int missing) {
 TEST(StudyMarks, MethodsAreToldApartByColourAndByShape) {
   for (const Theme theme : {Theme::light, Theme::dark}) {
     const QPalette palette = palette_of(theme);
+    EXPECT_GE(contrast(quiet_colour(palette), palette.color(QPalette::Base)), 4.5);
     for (const MethodInfo& a : methods()) {
       EXPECT_GE(contrast(method_colour(a.method, palette), palette.color(QPalette::Base)), 3) << a.name;
       for (const MethodInfo& b : methods()) {
