@@ -140,7 +140,7 @@ Status Renderer::sum_some(double seconds) {
   if (const Status ready = impl_->need_luminaire(); !ready) return ready;
   if (impl_->method) return impl_->evaluate(seconds);
   const double fit = cell_s() > 0 ? seconds / cell_s() : 1;
-  return impl_->sum(static_cast<std::size_t>(std::clamp(fit, 1.0, 1e6)));
+  return impl_->sum(std::max(static_cast<std::size_t>(std::clamp(fit, 1.0, 1e6)), impl_->first_row()));
 }
 
 Result<Picture> Renderer::picture() {

@@ -59,7 +59,8 @@ class Renderer {
   bool waits(CellIndex cell) const;
   /// Cells in the sums.
   int summed() const;
-  /// Sums some that wait: as many as take about `seconds` by the time that the last ones took, at least one.
+  /// Sums some that wait: as many as take about `seconds` by the time that the last ones took, at least those of a row of
+  /// the grid, which share so much that the first costs as much as all the others.
   Status sum_some(double seconds);
   /// What one more cell costs in this view by the time that the last ones took, seconds; 0 before the first.
   double cell_s() const;

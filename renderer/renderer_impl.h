@@ -48,6 +48,7 @@ struct Renderer::Impl {
   Status keep(CellIndex cell, std::shared_ptr<const CellImage> image);
   Status sum(const std::vector<int>& flats);
   Status sum(std::size_t count);
+  std::size_t first_row() const;
   Status add(const std::vector<int>& flats);
   Status make_method();
   Status give_cells();

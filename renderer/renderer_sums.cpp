@@ -104,6 +104,13 @@ Status Renderer::Impl::add(const std::vector<int>& flats) {
   return indices.empty() ? Status{} : device->add_cells(indices, images);
 }
 
+/// How many wait in the grid's first row that has any.
+std::size_t Renderer::Impl::first_row() const {
+  if (waiting.empty()) return 0;
+  const int columns = geometry->sampling.columns, end = (*waiting.begin() / columns + 1) * columns;
+  return static_cast<std::size_t>(std::distance(waiting.begin(), waiting.lower_bound(end)));
+}
+
 /// For the luminaire and the settings that are set.
 Status Renderer::Impl::make_method() {
   handed_over = false;
