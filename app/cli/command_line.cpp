@@ -89,7 +89,6 @@ void add_scan(CLI::App& app, ScanOptions& o) {
 
 template <class Options>
 void add_method(CLI::App& app, Options& o) {
-  constexpr double most_samples = 1e8;
   app.add_option("--method", o.method, "How the light is computed")->check(method_name())->capture_default_str();
   app.add_option("--lod", o.lod,
                  "closed-form: level of detail, pixels of an image per support of a cell and axis; 0 is exact")

@@ -9,7 +9,7 @@ namespace lumifield {
 
 namespace {
 
-constexpr int most_samples = 1'000'000;
+constexpr int most_offered = 1'000'000;
 
 QString text_of(std::string_view text) { return QString::fromUtf8(text.data(), static_cast<qsizetype>(text.size())); }
 
@@ -39,7 +39,7 @@ PreviewMethodBar::PreviewMethodBar(QWidget* parent)
   }
   methods_->setAccessibleName(tr("Method that computes the light"));
   samples_->setLocale(QLocale::c());
-  samples_->setRange(1, most_samples);
+  samples_->setRange(1, most_offered);
   samples_->setValue(static_cast<int>(method_.samples));
   samples_->setStepType(QAbstractSpinBox::AdaptiveDecimalStepType);
   samples_->setKeyboardTracking(false);

@@ -61,9 +61,11 @@ class ClosedFormMethod final : public HostMethod {
 }  // namespace
 
 Status check_settings(const MethodSettings& s) {
-  constexpr double most_samples = 1e8;
+  // So that tables of points, and of lights, stay below some hundred megabytes.
+  if (s.method == Method::precomputed_lights && !(s.samples >= 1 && s.samples <= most_lights))
+    return fail("is not between 1 and 4 million", "number of lights", "give another");
   if (!(s.samples >= 1 && s.samples <= most_samples))
-    return fail("is not between 1 and 1e8", "number of samples", "give another");
+    return fail("is not between 1 and 10 million", "number of samples", "give another");
   if (!(s.k_max >= 0 && std::isfinite(s.k_max))) return fail("is negative or not finite", "k_max", "give 0 for none");
   if (!(s.lod >= 0 && std::isfinite(s.lod)))
     return fail("is negative or not finite", "level of detail", "give the pixels per support, or 0 for all");

@@ -52,6 +52,8 @@ Status ImageSamplerDevice::set_cells(const LightField& light_field) {
   if (printed)
     if (const Status good = check_printed_luminaire(light_field); !good) return good;
 
+  shared_.cells = 0;  // until all are there
+
   // One buffer each; the tables are of no use to uniform samples.
   const auto count = static_cast<std::size_t>(light_field.coverage().measured);
   const bool tabled = settings_.method != Method::uniform_box;

@@ -38,6 +38,8 @@ const MethodInfo& info(Method method);
 std::string_view to_string(Method method);
 std::optional<Method> method_from_string(std::string_view name);
 
+inline constexpr double most_samples = 1e7, most_lights = 4e6;
+
 /// What is chosen about a method. Value type.
 struct MethodSettings {
   Method method = Method::closed_form;

@@ -201,6 +201,8 @@ TEST(HostMethod, RefusesSettingsThatMakeNoSense) {
   const LightField field = small_luminaire();
   EXPECT_FALSE(make_host_method(field, {.method = Method::position_dependent, .samples = 0}));
   EXPECT_FALSE(make_host_method(field, {.method = Method::position_dependent, .samples = std::nan("")}));
+  EXPECT_FALSE(make_host_method(field, {.method = Method::uniform_box, .samples = 1e8}));
+  EXPECT_FALSE(make_host_method(field, {.method = Method::precomputed_lights, .samples = 1e7}));
   EXPECT_FALSE(make_host_method(field, {.method = Method::closed_form, .lod = -1}));
   EXPECT_FALSE(make_host_method(field, {.method = Method::uniform_box, .k_max = -1}));
 }
