@@ -120,6 +120,7 @@ Status Renderer::add_all(const LightField& light_field) {
   for (int k = 0; k < impl_->geometry->sampling.cells(); ++k)
     if (auto image = light_field.cell(impl_->geometry->sampling.index(k)))
       impl_->cells[static_cast<std::size_t>(k)] = std::move(image);
+  impl_->method_has_cells = false;
   impl_->clear();
   return impl_->sum(impl_->cells.size());
 }

@@ -52,7 +52,10 @@ void PreviewWorker::take_scene(const Scene& scene) {
   Result<std::unique_ptr<Renderer>> renderer = Renderer::create(scene, 64, 48);
   if (!renderer) return report(renderer.error());
   renderer_ = std::move(*renderer);
-  if (const Status set = renderer_->set_method(method_); !set) report(set.error());
+  if (const Status set = renderer_->set_method(method_); !set) {
+    method_ = {};
+    report(set.error());
+  }
   if (callbacks_.ready) callbacks_.ready(renderer_->info());
   if (geometry_) light();
 }

@@ -12,8 +12,8 @@ namespace lumifield {
 namespace {
 
 constexpr std::size_t work_group = 64;
-/// Receivers of the first band, before their time is known.
-constexpr std::size_t first_band = 4096;
+/// Samples of the first band, before their time is known.
+constexpr double first_samples = 1e5;
 
 }  // namespace
 
@@ -122,9 +122,9 @@ Result<bool> SampledDevice::evaluate(double seconds) {
     const double each_s = next_ > 0 ? kernel_s_ / static_cast<double>(next_) : 0;
     const double fit = !std::isfinite(seconds) ? static_cast<double>(count_)
                        : each_s > 0            ? left / each_s
-                                               : static_cast<double>(first_band);
+                                               : first_samples / shared_.samples;
     const auto band =
-        static_cast<std::size_t>(std::clamp(fit, static_cast<double>(first_band) / 4, static_cast<double>(count_)));
+        static_cast<std::size_t>(std::max(std::min(fit, static_cast<double>(count_)), static_cast<double>(work_group)));
     const std::size_t end = std::min(next_ + band, count_);
     shared_.first_receiver = static_cast<int>(next_);
     shared_.receivers = static_cast<int>(end);

@@ -74,6 +74,21 @@ TEST_F(RendererMethods, ACellThatComesOrChangesCountsWithAllOthers) {
   EXPECT_EQ(fresh->picture().value().rgb, one_by_one.rgb);
 }
 
+TEST_F(RendererMethods, AllCellsGivenAgainAreThoseThatLight) {
+  ASSERT_TRUE(renderer_->set_method({.method = Method::position_dependent, .samples = 50}));
+  ASSERT_TRUE(renderer_->set_luminaire(field_.geometry()));
+  ASSERT_TRUE(renderer_->add_all(field_));
+  const Picture before = renderer_->picture().value();
+  for (int k = 0; k < 6; ++k) {
+    CellImage twice = *field_.cell({k / 3, k % 3});
+    for (float& v : twice.value) v *= 2;
+    ASSERT_TRUE(field_.add({k / 3, k % 3}, std::move(twice)));
+  }
+  ASSERT_TRUE(renderer_->add_all(field_));
+  const Picture after = renderer_->picture().value();
+  for (std::size_t k = 0; k < after.rgb.size(); ++k) ASSERT_NEAR(after.rgb[k], 2 * before.rgb[k], 1e-5 * after.rgb[k]);
+}
+
 TEST_F(RendererMethods, AreComputedInPiecesWithoutAHalfPicture) {
   ASSERT_TRUE(renderer_->set_method({.method = Method::reference}));
   ASSERT_TRUE(renderer_->set_luminaire(field_.geometry()));
