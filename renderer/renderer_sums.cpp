@@ -113,12 +113,12 @@ std::size_t Renderer::Impl::first_row() const {
 
 /// For the luminaire and the settings that are set.
 Status Renderer::Impl::make_method() {
-  handed_over = false;
   if (settings.method == Method::closed_form) {
     auto made = ClosedFormDevice::create(*geometry);
     if (!made) return tl::unexpected(made.error());
     device = std::move(*made);
     method.reset();
+    handed_over = false;
     info.opencl = device->device_name();
     return {};
   }
@@ -126,6 +126,7 @@ Status Renderer::Impl::make_method() {
   if (!made) return tl::unexpected(made.error());
   method = std::move(*made);
   device.reset();
+  handed_over = false;
   method_has_cells = false;
   info.opencl = method->device_name();
   return {};
@@ -143,8 +144,8 @@ Status Renderer::Impl::give_cells() {
 
 /// Goes on for about `seconds`; when all receivers are done no cell waits.
 Status Renderer::Impl::evaluate(double seconds) {
-  if (waiting.empty()) return {};
   if (const Status handed = hand_over(); !handed) return handed;
+  if (waiting.empty()) return {};
   if (!method_has_cells)
     if (const Status given = give_cells(); !given) return given;
   const auto done = method->evaluate(seconds);

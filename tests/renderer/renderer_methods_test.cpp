@@ -108,6 +108,19 @@ TEST_F(RendererMethods, AreComputedInPiecesWithoutAHalfPicture) {
   EXPECT_EQ(renderer_->picture_so_far().value().rgb, std::vector<float>(3 * 40 * 30, 0.0F)) << "another view is dark";
 }
 
+TEST_F(RendererMethods, ALuminaireThatCannotBeTakenLeavesThePicture) {
+  ASSERT_TRUE(renderer_->set_method({.method = Method::position_dependent, .samples = 50}));
+  ASSERT_TRUE(renderer_->set_luminaire(field_.geometry()));
+  ASSERT_TRUE(renderer_->add_all(field_));
+  const Picture before = renderer_->picture().value();
+  ASSERT_GT(average_luminance(before), 0);
+  LuminaireGeometry large = field_.geometry();
+  large.measurement.width_px = large.measurement.height_px = 50000;
+  ASSERT_FALSE(renderer_->set_luminaire(large));
+  EXPECT_EQ(renderer_->waiting(), 0);
+  EXPECT_EQ(renderer_->picture().value().rgb, before.rgb);
+}
+
 TEST_F(RendererMethods, WhatCannotBeTakenLeavesAllAsItWas) {
   ASSERT_TRUE(renderer_->set_luminaire(field_.geometry()));
   ASSERT_TRUE(renderer_->add_all(field_));
