@@ -2,10 +2,8 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "luminaire/dataset.h"

@@ -31,7 +31,9 @@ class ClosedFormMethod final : public DeviceMethod {
   }
   Status set_receivers(std::span<const Receiver> receivers) override {
     receivers_.assign(receivers.begin(), receivers.end());
-    return device_->set_receivers(receivers_);
+    const Status set = device_->set_receivers(receivers_);
+    clear_ = set.has_value();
+    return set;
   }
   Status set_samples(double, std::uint32_t) override { return {}; }
 
@@ -47,7 +49,9 @@ class ClosedFormMethod final : public DeviceMethod {
       pointers.push_back(image.get());
       images.push_back(std::move(image));
     }
-    if (Status cleared = device_->set_receivers(receivers_); !cleared) return tl::unexpected(cleared.error());
+    if (!clear_)
+      if (Status cleared = device_->set_receivers(receivers_); !cleared) return tl::unexpected(cleared.error());
+    clear_ = false;
     if (Status added = device_->add_cells(cells, pointers); !added) return tl::unexpected(added.error());
     return true;
   }
@@ -58,6 +62,7 @@ class ClosedFormMethod final : public DeviceMethod {
  private:
   LightField light_field_;
   std::unique_ptr<ClosedFormDevice> device_;
+  bool clear_ = false;  ///< the device has the receivers, and no cell in its sums
   std::vector<Receiver> receivers_;
 };
 

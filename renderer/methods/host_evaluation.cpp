@@ -24,9 +24,7 @@ Status HostEvaluation::set_cells(const LightField& light_field) {
 }
 
 Status HostEvaluation::set_receivers(std::span<const Receiver> receivers) {
-  for (std::size_t k = 0; k < receivers.size(); ++k)
-    if (!receivers[k].p_mm.allFinite() || !receivers[k].n.allFinite())
-      return fail("has NaN or Inf", "receiver " + std::to_string(k), "give finite numbers");
+  if (const Status finite = check_finite(receivers); !finite) return finite;
   receivers_.assign(receivers.begin(), receivers.end());
   irradiance_.assign(receivers_.size() * geometry_.channels.size(), 0.0);
   next_ = 0;

@@ -76,15 +76,10 @@ Status ImageSamplerDevice::set_cells(const LightField& light_field) {
   }
 
   numbers_.clear();
-  const Sampling& sampling = geometry_.sampling;
-  for (int flat = 0; flat < sampling.cells(); ++flat) {
-    const CellIndex index = sampling.index(flat);
-    const auto image = light_field.cell(index);
-    if (!image) continue;
-    const SummedAreaTable importance(printed ? luminance_image(*image) : importance_image(*image), image->width_px,
-                                     image->height_px);
-    const SampledCell cell{sampling.cell_center_mm(index), static_cast<std::uint32_t>(flat), image, importance};
-    if (Status done = upload_cell(numbers_.size(), cell); !done) return done;
+  for (int flat = 0; flat < geometry_.sampling.cells(); ++flat) {
+    const auto cell = sampled_cell(light_field, flat, printed ? luminance_image : importance_image);
+    if (!cell) continue;
+    if (Status done = upload_cell(numbers_.size(), *cell); !done) return done;
     numbers_.push_back(flat);
   }
   shared_.cells = static_cast<int>(numbers_.size());

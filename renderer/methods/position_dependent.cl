@@ -32,11 +32,12 @@ INLINE double mean_importance(const SamplingGeometry* g, __global const float* i
   const int2 first = convert_int2_rtn(box->center - reach), last = convert_int2_rtn(box->center + reach);
   double sum = 0;
   for (int j = max(first.y, 0); j <= min(last.y, g->height - 1); ++j)
-    for (int i = max(first.x, 0); i <= min(last.x, g->width - 1); ++i) sum += importance_at(g, image, i, j);
+    for (int i = max(first.x, 0); i <= min(last.x, g->width - 1); ++i) sum += importance_at(g, image, j * g->stride + i);
   return 4 * HALF * HALF * sum / ((last.x - first.x + 1) * (last.y - first.y + 1));
 }
 
-// The marginal of the box' columns, a share of its whole, at the left edge of each; beyond the box it is over 1.
+// The marginal of the box' columns, a share of its whole, at the left edge of each; what stands beyond the
+// box counts for nothing.
 INLINE void fill_marginal(const SamplingGeometry* g, __global const double* table, const Box* box, double all,
                           float* marginal) {
   const int j0 = min((int)box->low.y, g->height - 1), j1 = min((int)box->high.y, g->height - 1);
@@ -195,8 +196,7 @@ INLINE void add_samples(const SamplingGeometry* g, const View* view, const Sampl
       sum[0] += tau.x + tau.y + pixel;
       continue;
 #endif
-      float importance = 0;
-      for (int c = 0; c < CHANNELS; ++c) importance += fabs(image[c * g->plane + pixel]);
+      const float importance = importance_at(g, image, pixel);
       ratio = importance > 0 ? 1 / importance : 0;
     }
     const float weight = ratio * phi(tau.x) * phi(tau.y) * fmax(height + dot(view->slope, tau), 0.0f);

@@ -20,18 +20,22 @@ std::vector<double> luminance_image(const CellImage& image) {
   return sum;
 }
 
+std::optional<SampledCell> sampled_cell(const LightField& light_field, int flat,
+                                        std::vector<double> (*importance)(const CellImage&)) {
+  const Sampling& sampling = light_field.geometry().sampling;
+  const CellIndex index = sampling.index(flat);
+  auto image = light_field.cell(index);
+  if (!image) return std::nullopt;
+  SummedAreaTable table(importance(*image), image->width_px, image->height_px);
+  return SampledCell{sampling.cell_center_mm(index), static_cast<std::uint32_t>(flat), std::move(image),
+                     std::move(table)};
+}
+
 std::vector<SampledCell> sampled_cells(const LightField& light_field,
                                        std::vector<double> (*importance)(const CellImage&)) {
   std::vector<SampledCell> cells;
-  const Sampling& sampling = light_field.geometry().sampling;
-  for (int flat = 0; flat < sampling.cells(); ++flat) {
-    const CellIndex index = sampling.index(flat);
-    auto image = light_field.cell(index);
-    if (!image) continue;
-    SummedAreaTable table(importance(*image), image->width_px, image->height_px);
-    cells.push_back(
-        {sampling.cell_center_mm(index), static_cast<std::uint32_t>(flat), std::move(image), std::move(table)});
-  }
+  for (int flat = 0; flat < light_field.geometry().sampling.cells(); ++flat)
+    if (auto cell = sampled_cell(light_field, flat, importance)) cells.push_back(std::move(*cell));
   return cells;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "luminaire/light_field.h"
@@ -21,6 +22,9 @@ std::vector<double> importance_image(const CellImage& image);
 /// As published: the luminance, Y or 0.2126 R + 0.7152 G + 0.0722 B.
 std::vector<double> luminance_image(const CellImage& image);
 
+/// A cell of a light field; empty while it is unmeasured.
+std::optional<SampledCell> sampled_cell(const LightField& light_field, int flat,
+                                        std::vector<double> (*importance)(const CellImage&));
 /// All measured cells in the grid's order.
 std::vector<SampledCell> sampled_cells(const LightField& light_field,
                                        std::vector<double> (*importance)(const CellImage&) = importance_image);

@@ -23,6 +23,13 @@ Status check_same_luminaire(const LuminaireGeometry& cells, const LuminaireGeome
   return {};
 }
 
+Status check_finite(std::span<const Receiver> receivers) {
+  for (std::size_t k = 0; k < receivers.size(); ++k)
+    if (!receivers[k].p_mm.allFinite() || !receivers[k].n.allFinite())
+      return fail("has NaN or Inf", "receiver " + std::to_string(k), "give finite numbers");
+  return {};
+}
+
 SampledDevice::SampledDevice(const LuminaireGeometry& geometry, const MethodSettings& settings)
     : geometry_(geometry), settings_(settings) {
   const Measurement& m = geometry.measurement;
@@ -56,12 +63,11 @@ Status SampledDevice::check_receiver(const Receiver&) const { return {}; }
 
 Status SampledDevice::set_receivers(std::span<const Receiver> receivers) {
   if (receivers.size() > std::size_t(1) << 30) return fail("more than 2^30 receivers", "receivers", "render in parts");
+  if (const Status finite = check_finite(receivers); !finite) return finite;
   std::vector<SamplingReceiver> all;
   all.reserve(receivers.size());
   for (std::size_t k = 0; k < receivers.size(); ++k) {
     const Receiver& r = receivers[k];
-    if (!r.p_mm.allFinite() || !r.n.allFinite())
-      return fail("has NaN or Inf", "receiver " + std::to_string(k), "give finite numbers");
     const bool lit = r.p_mm.z() > 0 && r.n != Vec3(0, 0, 0);
     if (lit)
       if (Status good = check_receiver(r); !good) {

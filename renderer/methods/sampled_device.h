@@ -14,6 +14,9 @@ namespace lumifield {
 /// Refuses cells of another luminaire than a method was made for.
 Status check_same_luminaire(const LuminaireGeometry& cells, const LuminaireGeometry& method);
 
+/// Refuses NaN and Inf, the receiver named.
+Status check_finite(std::span<const Receiver> receivers);
+
 /// What the kernels of the sampling methods have in common: receivers, the table of cells, sums, and the evaluation in
 /// bands of receivers. A method adds its tables and its kernel's arguments.
 class SampledDevice : public DeviceMethod {

@@ -9,7 +9,6 @@ namespace lumifield {
 struct PixelBox {
   double x0, x1, y0, y1;
   bool empty() const { return !(x1 > x0 && y1 > y0); }
-  double area() const { return empty() ? 0 : (x1 - x0) * (y1 - y0); }
 };
 
 /// Integrals of a non-negative image over boxes (Crow 1984). The image is constant on its pixels, so that bilinear

@@ -14,7 +14,7 @@ Result<std::vector<FigureRow>> paper_figures(const StudyBench& bench, bool quick
 
 /// The times at which two methods reach one error, from their points of one luminaire: between points by a line in the
 /// logarithms, beyond the last by the last line's slope, which `what` says. For closed-form the cheapest point that is
-/// at least as good. Of the bike's ladder.
+/// at least as good.
 std::vector<FigureRow> equal_error_rows(const std::vector<StudyPoint>& points, const std::string& luminaire);
 
 }  // namespace lumifield
