@@ -69,14 +69,14 @@ int open(const QString& dataset, const QString& shots) {
   window.show_scene(scene);
   window.open(dataset);
   const auto first = [&](int cells) {
-    return QTest::qWaitFor([&] { return shown.last && shown.last->cells >= cells; }, 60'000);
+    return wait_until([&] { return shown.last && shown.last->cells >= cells; }, 60'000);
   };
   LuminaireModel& model = window.workbench().model();
   if (!first(1)) return 1;
   std::printf("start to first picture with light: %.0f ms (%d cells, %s)\n", ms_since(start), shown.last->cells,
               shown.last->coarse ? "coarse" : "full");
   const auto full = [&] { return shown.last && shown.last->cells == model.total() && !shown.last->coarse; };
-  if (!QTest::qWaitFor(full, 60'000)) return 1;
+  if (!wait_until(full, 60'000)) return 1;
   std::printf("start to full picture of all cells: %.0f ms\n", ms_since(start));
   QTest::qWait(500);
 
@@ -87,9 +87,9 @@ int open(const QString& dataset, const QString& shots) {
   if (!first(1)) return 1;
   std::printf("dataset from disk to first picture: %.0f ms (%d cells, %s)\n", ms_since(start), shown.last->cells,
               shown.last->coarse ? "coarse" : "full");
-  if (!QTest::qWaitFor([&] { return shown.last->cells == model.total(); }, 60'000)) return 1;
+  if (!wait_until([&] { return shown.last->cells == model.total(); }, 60'000)) return 1;
   std::printf("dataset from disk to a picture of all %d cells: %.0f ms\n", model.total(), ms_since(start));
-  if (!QTest::qWaitFor(full, 60'000)) return 1;
+  if (!wait_until(full, 60'000)) return 1;
   shoot(window, shots, "opened");
 
   // Cells handed in one by one while nothing else runs.
@@ -99,7 +99,7 @@ int open(const QString& dataset, const QString& shots) {
     const CellIndex cell = model.geometry()->sampling.index(k % model.total());
     const int before = shown.pictures;
     live.add(cell, model.cell(cell)->image);
-    if (!QTest::qWaitFor([&] { return shown.pictures > before; }, 5000)) return 1;
+    if (!wait_until([&] { return shown.pictures > before; }, 5000)) return 1;
     QTest::qWait(60);
   }
   shown.latency.print("cell taken again (two kernel runs), handed in to painted, idle", "ms");
@@ -110,7 +110,7 @@ int open(const QString& dataset, const QString& shots) {
     const CellIndex cell = model.geometry()->sampling.index(k);
     const int before = shown.pictures;
     live.add(cell, model.cell(cell)->image);
-    if (!QTest::qWaitFor([&] { return shown.pictures > before; }, 5000)) return 1;
+    if (!wait_until([&] { return shown.pictures > before; }, 5000)) return 1;
     QTest::qWait(60);
   }
   shown.latency.print("cell handed in to picture painted, idle", "ms");
@@ -119,7 +119,7 @@ int open(const QString& dataset, const QString& shots) {
     const CellIndex cell = model.geometry()->sampling.index(k);
     live.add(cell, model.cell(cell)->image);
   }
-  if (!QTest::qWaitFor(full, 60'000)) return 1;
+  if (!wait_until(full, 60'000)) return 1;
 
   // Orbiting by mouse for five seconds.
   auto* view = window.findChild<PreviewView*>();
@@ -137,7 +137,7 @@ int open(const QString& dataset, const QString& shots) {
   QTest::mouseRelease(view, Qt::LeftButton, {}, at);
   shown.last.reset();
   start = Clock::now();
-  if (!QTest::qWaitFor(full, 60'000)) return 1;
+  if (!wait_until(full, 60'000)) return 1;
   std::printf("full picture %.0f ms after the mouse was let go\n", ms_since(start));
   return 0;
 }

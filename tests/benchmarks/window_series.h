@@ -1,6 +1,8 @@
 #pragma once
 
+#include <QCoreApplication>
 #include <QString>
+#include <QTimer>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -69,6 +71,19 @@ inline void shoot(MainWindow& window, const QString& folder, const QString& name
   if (folder.isEmpty()) return;
   std::filesystem::create_directories(folder.toStdString());
   window.grab().save(folder + "/" + name + ".png");
+}
+
+/// Handles events as they come until `done`, which QTest::qWaitFor would look at every 10 ms only.
+template <class Done>
+bool wait_until(Done done, int patience_ms) {
+  QTimer timer;  // wakes the loop, so that patience ends
+  timer.start(200);
+  const auto start = Clock::now();
+  while (!done()) {
+    if (ms_since(start) > patience_ms) return false;
+    QCoreApplication::processEvents(QEventLoop::AllEvents | QEventLoop::WaitForMoreEvents);
+  }
+  return true;
 }
 
 struct Shown {
