@@ -18,17 +18,25 @@
 #include "renderer/methods/closed_form_sum.clh"
 #define WIDTH 16
 #include "renderer/methods/closed_form_wide.clh"
+#if CHANNELS == 1
 #define ABREAST 1
 #include "renderer/methods/closed_form_abreast.clh"
 #define ABREAST 3
 #include "renderer/methods/closed_form_abreast.clh"
+#else
+#include "renderer/methods/closed_form_together.clh"
+#endif
 #undef WIDTH
 #define WIDTH 8
 #include "renderer/methods/closed_form_wide.clh"
+#if CHANNELS == 1
 #define ABREAST 1
 #include "renderer/methods/closed_form_abreast.clh"
 #define ABREAST 3
 #include "renderer/methods/closed_form_abreast.clh"
+#else
+#include "renderer/methods/closed_form_together.clh"
+#endif
 #undef WIDTH
 
 // The pixel `number` of an axis as an interval of X within the support.
@@ -206,15 +214,19 @@ __kernel void closed_form_add_grid(const ClosedFormGeometry geometry, __global c
     for (int channel = 0; channel < CHANNELS; ++channel) r->sum[channel] = 0;
     see_grid(&geometry, &grid, u, r);
   }
-  for (int row = 0; row < grid.rows; ++row)
-    for (int channel = 0; channel < CHANNELS; ++channel)
+  for (int row = 0; row < grid.rows; ++row) {
+    const int begin = row_begin[row], end = row_begin[row + 1];
+    for (int m = begin; m < end; m += SIDE_BY_SIDE)
       for (int i = 0; i < count; ++i) {
         if (!all[i].lit) continue;
-        if (!all[i].apart)
-          add_row(&geometry, cells, images, row_begin[row], row_begin[row + 1], row, channel, all + i);
-        else if (channel == 0)
-          add_row_apart(&geometry, cells, images, row_begin[row], row_begin[row + 1], all + i);
+        if (all[i].one_by_one)
+          add_row(&geometry, cells, images, m, min(m + SIDE_BY_SIDE, end), row, all + i);
+        else if (m == begin && all[i].apart)
+          add_row_apart(&geometry, cells, images, begin, end, all + i);
+        else if (m == begin)
+          add_row(&geometry, cells, images, begin, end, row, all + i);
       }
+  }
   for (int i = 0; i < count; ++i)
     if (all[i].lit) add_sums(&geometry, &all[i].view, all[i].sum, sums + (size_t)(first + i) * CHANNELS);
 }

@@ -24,8 +24,9 @@ DeviceImages::DeviceImages(const LuminaireGeometry& geometry, bool with_levels) 
   if (width < 1 || height < 1) return;
   const int levels = with_levels ? coarsest_level(width, height) + 1 : 1;
   for (int level = 0; level < levels; ++level) {
-    const std::size_t stride =
-        (static_cast<std::size_t>(width) + 2 * vector_floats - 1) / vector_floats * vector_floats;
+    // An odd number of vectors, so that the pixels below each other lie in different sets of a cache.
+    const std::size_t vectors = (static_cast<std::size_t>(width) + 2 * vector_floats - 1) / vector_floats;
+    const std::size_t stride = (vectors | 1) * vector_floats;
     levels_.push_back({width, height, static_cast<int>(stride), static_cast<int>(plane_)});
     plane_ += stride * static_cast<std::size_t>(height);
     width -= width / 2;

@@ -198,7 +198,10 @@ int soak(const QString& plan, const QString& folder, double minutes) {
   for (int round = 0; ms_since(begin) < minutes * 60'000; ++round) {
     const QString out = QString("%1/%2.lumi").arg(folder).arg(round);
     window.new_scan(std::getenv("LUMIFIELD_BENCH"), plan, out, true);
-    if (!QTest::qWaitFor([&] { return controller.busy(); }, 60'000)) return 1;
+    if (!QTest::qWaitFor([&] { return controller.busy(); }, 60'000)) {
+      std::fputs("the scan does not begin: try the plan with `lumifield scan`\n", stderr);
+      return 1;
+    }
     if (!QTest::qWaitFor([&] { return !controller.busy(); }, patience_ms)) return 1;
     QTest::qWait(1000);
     std::printf("%6.1f min, scan %d: %d cells, resident %.1f MB, event-loop p99 %.1f ms, notices %d\n",
