@@ -13,13 +13,20 @@ struct ClosedForm::Impl {
   struct Cell {
     Vec2 u_mm;
     std::shared_ptr<const CellImage> image;
-    std::vector<std::vector<ImageLevel>> coarse;  ///< by channel; empty where all is exact
+    std::vector<std::vector<ImageLevel>> means, deviations;  ///< by channel; empty where all is exact
+  };
+  /// A level of detail of a cell's images, or what bounds its error.
+  struct Values {
+    const Cell& cell;
+    int level;
+    bool deviation;
 
-    double at(int level, int channel, int i, int j) const {
-      if (level == 0) return image->at(channel, i, j);
-      const ImageLevel& means = coarse[static_cast<std::size_t>(channel)][static_cast<std::size_t>(level - 1)];
-      return means
-          .mean[static_cast<std::size_t>(j) * static_cast<std::size_t>(means.width_px) + static_cast<std::size_t>(i)];
+    double at(int channel, int i, int j) const {
+      if (level == 0) return deviation ? 0 : cell.image->at(channel, i, j);
+      const auto& levels = (deviation ? cell.deviations : cell.means)[static_cast<std::size_t>(channel)];
+      const ImageLevel& image = levels[static_cast<std::size_t>(level - 1)];
+      return image
+          .value[static_cast<std::size_t>(j) * static_cast<std::size_t>(image.width_px) + static_cast<std::size_t>(i)];
     }
   };
   LuminaireGeometry geometry;
@@ -28,7 +35,8 @@ struct ClosedForm::Impl {
   std::vector<Cell> cells;
 
   int level(const Receiver& receiver) const;
-  void add(const Receiver& receiver, int level, const Cell& cell, std::vector<double>& sum) const;
+  std::vector<double> sum_of(const Receiver& receiver, bool deviation) const;
+  void add(const Receiver& receiver, const Values& values, std::vector<double>& sum) const;
   double weight(const HorizonPlane& g, const AxisWeights::Pixel& x, const AxisWeights::Pixel& y, bool above) const;
 };
 
@@ -39,9 +47,12 @@ ClosedForm::ClosedForm(const LightField& light_field, double pixels_per_support)
     const CellIndex index = sampling.index(flat);
     auto image = light_field.cell(index);
     if (!image) continue;
-    Impl::Cell cell{sampling.cell_center_mm(index), std::move(image), {}};
-    for (int c = 0; pixels_per_support > 0 && c < cell.image->channels; ++c)
-      cell.coarse.push_back(coarse_levels(cell.image->channel(c), cell.image->width_px, cell.image->height_px));
+    Impl::Cell cell{sampling.cell_center_mm(index), std::move(image), {}, {}};
+    const int width = cell.image->width_px, height = cell.image->height_px;
+    for (int c = 0; pixels_per_support > 0 && c < cell.image->channels; ++c) {
+      cell.means.push_back(coarse_levels(cell.image->channel(c), width, height));
+      cell.deviations.push_back(coarse_deviations(cell.image->channel(c), width, height));
+    }
     impl_->cells.push_back(std::move(cell));
   }
 }
@@ -64,14 +75,13 @@ int ClosedForm::Impl::level(const Receiver& receiver) const {
   return level_of_detail(pixels_per_support, span, coarsest_level(m.width_px, m.height_px));
 }
 
-void ClosedForm::Impl::add(const Receiver& receiver, int level, const Cell& cell, std::vector<double>& sum) const {
+void ClosedForm::Impl::add(const Receiver& receiver, const Values& values, std::vector<double>& sum) const {
   // Classify the support against the receiver's horizon.
   const Sampling& sampling = geometry.sampling;
-  const Vec2 a = sampling.spacing_mm;
+  const Vec2 a = sampling.spacing_mm, u = values.cell.u_mm;
   const Vec3 &p = receiver.p_mm, &n = receiver.n;
   const double half = basis.half_support();
-  const HorizonPlane g{n.x() * (cell.u_mm.x() - p.x()) + n.y() * (cell.u_mm.y() - p.y()) - n.z() * p.z(), n.x() * a.x(),
-                       n.y() * a.y()};
+  const HorizonPlane g{n.x() * (u.x() - p.x()) + n.y() * (u.y() - p.y()) - n.z() * p.z(), n.x() * a.x(), n.y() * a.y()};
   const BasisRectangle support{-half, half, -half, half};
   if (highest(g, support) <= 0) return;
   const bool above = lowest(g, support) >= 0;
@@ -79,14 +89,12 @@ void ClosedForm::Impl::add(const Receiver& receiver, int level, const Cell& cell
   // Weights of both axes over the level's pixels.
   const Measurement& m = geometry.measurement;
   const double delta = geometry.planes.separation_mm;
-  const double times = std::ldexp(1.0, level);
+  const double times = std::ldexp(1.0, values.level);
   const Vec2 corner = m.corner_mm(), pixel = m.pixel_mm * times;
   const int width = static_cast<int>(std::ceil(m.width_px / times));
   const int height = static_cast<int>(std::ceil(m.height_px / times));
-  const AxisWeights x =
-      axis_weights(basis, {delta, p.z(), p.x()}, {cell.u_mm.x(), a.x(), corner.x(), pixel.x(), width});
-  const AxisWeights y =
-      axis_weights(basis, {delta, p.z(), p.y()}, {cell.u_mm.y(), a.y(), corner.y(), pixel.y(), height});
+  const AxisWeights x = axis_weights(basis, {delta, p.z(), p.x()}, {u.x(), a.x(), corner.x(), pixel.x(), width});
+  const AxisWeights y = axis_weights(basis, {delta, p.z(), p.y()}, {u.y(), a.y(), corner.y(), pixel.y(), height});
 
   // Sum rows, then the cell.
   std::vector<double> total(sum.size(), 0.0), row(sum.size());
@@ -95,8 +103,7 @@ void ClosedForm::Impl::add(const Receiver& receiver, int level, const Cell& cell
     for (std::size_t i = 0; i < x.pixels.size(); ++i) {
       if (x.pixels[i].w0 == 0 || y.pixels[j].w0 == 0) continue;
       const double w = weight(g, x.pixels[i], y.pixels[j], above);
-      for (std::size_t c = 0; c < row.size(); ++c)
-        row[c] += w * cell.at(level, int(c), x.first + int(i), y.first + int(j));
+      for (std::size_t c = 0; c < row.size(); ++c) row[c] += w * values.at(int(c), x.first + int(i), y.first + int(j));
     }
     for (std::size_t c = 0; c < row.size(); ++c) total[c] += row[c];
   }
@@ -104,12 +111,18 @@ void ClosedForm::Impl::add(const Receiver& receiver, int level, const Cell& cell
   for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += scale * total[c];
 }
 
-std::vector<double> ClosedForm::irradiance(const Receiver& receiver) const {
-  std::vector<double> sum(impl_->geometry.channels.size(), 0.0);
+std::vector<double> ClosedForm::Impl::sum_of(const Receiver& receiver, bool deviation) const {
+  std::vector<double> sum(geometry.channels.size(), 0.0);
   if (!(receiver.p_mm.z() > 0)) return sum;
-  const int level = impl_->level(receiver);
-  for (const Impl::Cell& cell : impl_->cells) impl_->add(receiver, level, cell, sum);
+  const int of_receiver = level(receiver);
+  for (const Cell& cell : cells) add(receiver, {cell, of_receiver, deviation}, sum);
   return sum;
+}
+
+std::vector<double> ClosedForm::irradiance(const Receiver& receiver) const { return impl_->sum_of(receiver, false); }
+
+std::vector<double> ClosedForm::detail_error_bound(const Receiver& receiver) const {
+  return impl_->sum_of(receiver, true);
 }
 
 }  // namespace lumifield

@@ -32,6 +32,12 @@ class ClosedForm {
 
   /// E per channel, in the dataset's irradiance unit.
   std::vector<double> irradiance(const Receiver& receiver) const;
+  /// The most that the level of detail may be off the exact sum, per channel, same unit:
+  ///
+  ///     δ²a_x a_y/(δ+Δ)³ Σ |g| max(C_max − C̄, C̄ − C_min)
+  ///
+  /// over the level's pixels of mean C̄ and weight g; 0 where all is exact.
+  std::vector<double> detail_error_bound(const Receiver& receiver) const;
 
  private:
   struct Impl;

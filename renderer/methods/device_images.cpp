@@ -43,7 +43,7 @@ void DeviceImages::pack(const CellImage& image, std::vector<float>& packed) cons
     if (levels_.size() == 1) continue;
     const std::vector<ImageLevel> coarse = coarse_levels(channel, image.width_px, image.height_px);
     for (std::size_t k = 0; k < coarse.size(); ++k)
-      copy_rows(coarse[k].mean.data(), levels_[k + 1], out + levels_[k + 1].offset);
+      copy_rows(coarse[k].value.data(), levels_[k + 1], out + levels_[k + 1].offset);
   }
 }
 

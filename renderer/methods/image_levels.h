@@ -9,7 +9,7 @@ namespace lumifield {
 /// pixel.
 struct ImageLevel {
   int width_px = 0, height_px = 0;
-  std::vector<double> mean;  ///< one channel, row by row
+  std::vector<double> value;  ///< one channel, row by row
 };
 
 /// The number of the coarsest level of an image.
@@ -17,6 +17,10 @@ int coarsest_level(int width_px, int height_px);
 
 /// Levels 1 … coarsest of one channel.
 std::vector<ImageLevel> coarse_levels(const float* channel, int width_px, int height_px);
+
+/// The same levels of max(C_max − C̄, C̄ − C_min), C the padded image's values whose mean C̄ a pixel holds: the most that
+/// one of them is off it.
+std::vector<ImageLevel> coarse_deviations(const float* channel, int width_px, int height_px);
 
 /// The finest level at which a support of `span_px` pixels of level 0 spans at most `pixels_per_support`; 0 where that
 /// is 0, and no coarser than `coarsest`.

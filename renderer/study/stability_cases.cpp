@@ -140,7 +140,7 @@ void add_size_cases(std::vector<StabilityCase>& cases) {
   base.geometry.planes.separation_mm = 150;
   base.geometry.sampling = {BasisKind::bell, {7.5, 7.5}, 2, 2, {0, 0}};
   base.geometry.measurement = {300, 300, {1, 1}, {0, 0}};
-  base.cells = random_cells(base.geometry);
+  base.cells = random_cells(base.geometry, 0.9F);  // whose level of detail has a bound of use
   base.lod = 4;
   cases.push_back(base);
 
