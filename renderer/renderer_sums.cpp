@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "renderer/methods/closed_form_shared.h"
 #include "renderer/renderer_impl.h"
 #include "renderer/shading.h"
 
@@ -104,10 +105,11 @@ Status Renderer::Impl::add(const std::vector<int>& flats) {
   return indices.empty() ? Status{} : device->add_cells(indices, images);
 }
 
-/// How many wait in the grid's first row that has any.
+/// How many wait in the grid's first row that has any, of the columns that a run of the kernel takes.
 std::size_t Renderer::Impl::first_row() const {
   if (waiting.empty()) return 0;
-  const int columns = geometry->sampling.columns, end = (*waiting.begin() / columns + 1) * columns;
+  const int columns = geometry->sampling.columns, row = *waiting.begin() / columns, column = *waiting.begin() % columns;
+  const int end = row * columns + std::min((column / GRID_CELLS + 1) * GRID_CELLS, columns);
   return static_cast<std::size_t>(std::distance(waiting.begin(), waiting.lower_bound(end)));
 }
 

@@ -151,8 +151,9 @@ INLINE int is_lit(const ClosedFormReceiver receiver) {
 }
 
 // What follows from the receiver alone.
-INLINE ReceiverView view_of(const ClosedFormGeometry* geometry, const ClosedFormReceiver receiver,
+INLINE ReceiverView view_of(const ClosedFormGeometry* geometry, ClosedFormReceiver receiver,
                             __global const ClosedFormLevel* levels) {
+  receiver.p_z = fmax(receiver.p_z, LEAST_HEIGHT);
   const double2 spacing = (double2)(geometry->spacing_x, geometry->spacing_y);
   const double2 pixel = (double2)(geometry->pixel_x, geometry->pixel_y);
   const double2 pixels_per_mm = (double2)(geometry->pixels_per_mm_x, geometry->pixels_per_mm_y);
@@ -237,6 +238,7 @@ __kernel void closed_form_layout(__global int* layout) {
   ClosedFormReceiver receiver;
   ClosedFormCell cell;
   ClosedFormLevel level;
+  ClosedFormGrid grid;
   layout[0] = sizeof geometry;
   layout[1] = (int)((char*)&geometry.corner_x - (char*)&geometry);
   layout[2] = (int)((char*)&geometry.levels - (char*)&geometry);
@@ -248,4 +250,7 @@ __kernel void closed_form_layout(__global int* layout) {
   layout[8] = (int)((char*)&cell.image - (char*)&cell);
   layout[9] = sizeof level;
   layout[10] = (int)((char*)&level.offset - (char*)&level);
+  layout[11] = (int)((char*)&cell.column - (char*)&cell);
+  layout[12] = sizeof grid;
+  layout[13] = (int)((char*)&grid.rows - (char*)&grid);
 }

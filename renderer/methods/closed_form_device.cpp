@@ -6,6 +6,7 @@
 #include "renderer/bands.h"
 #include "renderer/methods/closed_form.h"
 #include "renderer/methods/closed_form_shared.h"
+#include "renderer/methods/closed_form_tile.h"
 #include "renderer/methods/device_images.h"
 #include "renderer/opencl/device.h"
 
@@ -18,46 +19,6 @@ constexpr std::size_t work_group = 64;
 constexpr std::size_t bunch_on_cpu = 16;
 /// Images held on the device at a time.
 constexpr std::size_t batch_bytes = std::size_t(256) << 20;
-
-/// An image in a batch, and whether it is added or taken away.
-struct BatchCell {
-  CellIndex index;
-  const CellImage* image;
-  double sign;
-};
-
-/// Cells that one run takes, sorted, and the part of the grid that they span.
-struct Tile {
-  std::span<const BatchCell> cells;
-  CellIndex first;
-  int rows, columns;
-
-  explicit Tile(std::span<const BatchCell> all) : cells(all), first(all.front().index) {
-    CellIndex last = first;
-    for (const BatchCell& each : all) {
-      first = {std::min(first.row, each.index.row), std::min(first.column, each.index.column)};
-      last = {std::max(last.row, each.index.row), std::max(last.column, each.index.column)};
-    }
-    rows = last.row - first.row + 1;
-    columns = last.column - first.column + 1;
-  }
-  /// Whether what the cells of its rows and columns share is worth the taking; the grid's kernel takes no cell away.
-  bool is_dense() const {
-    return 2 * cells.size() > static_cast<std::size_t>(rows + columns) &&
-           std::all_of(cells.begin(), cells.end(), [](const BatchCell& each) { return each.sign > 0; });
-  }
-};
-
-/// The number of the tile that a cell is in.
-CellIndex tile_of(CellIndex cell) { return {cell.row / GRID_CELLS, cell.column / GRID_CELLS}; }
-
-/// The first cells of a sorted batch, those of one tile.
-Tile first_tile(std::span<const BatchCell> batch) {
-  const auto end = std::find_if(batch.begin(), batch.end(), [&](const BatchCell& each) {
-    return tile_of(each.index) != tile_of(batch.front().index);
-  });
-  return Tile(batch.first(static_cast<std::size_t>(end - batch.begin())));
-}
 
 template <class T>
 std::span<const std::byte> bytes_of(const std::vector<T>& values) {

@@ -34,6 +34,10 @@ typedef struct ClosedFormCell {
   int column;       ///< of the run's grid
 } ClosedFormCell;
 
+/// A receiver nearer to U than this, mm, but in front of it, counts as this far from it: E is continuous there and
+/// changes by some 1e-9 at most, while the pixels that it sees, ever narrower on U, could not be placed in double.
+#define LEAST_HEIGHT 1e-9
+
 /// The rows and columns that a run over many cells spans, at most these of each.
 #define GRID_CELLS 16
 typedef struct ClosedFormGrid {
@@ -48,5 +52,6 @@ static_assert(sizeof(ClosedFormGeometry) == 96 && offsetof(ClosedFormGeometry, c
 static_assert(sizeof(ClosedFormLevel) == 16 && offsetof(ClosedFormLevel, offset) == 12);
 static_assert(sizeof(ClosedFormReceiver) == 48 && offsetof(ClosedFormReceiver, n_z) == 40);
 static_assert(sizeof(ClosedFormCell) == 32 && offsetof(ClosedFormCell, sign) == 16 &&
-              offsetof(ClosedFormCell, image) == 24);
+              offsetof(ClosedFormCell, image) == 24 && offsetof(ClosedFormCell, column) == 28);
+static_assert(sizeof(ClosedFormGrid) == 8 && offsetof(ClosedFormGrid, rows) == 4);
 #endif

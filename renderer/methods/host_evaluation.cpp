@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <optional>
 #include <thread>
 
@@ -43,10 +44,15 @@ Status HostEvaluation::set_samples(double samples, std::uint32_t seed) {
 }
 
 Result<bool> HostEvaluation::evaluate(double seconds) {
+  if (!light_field_) return no_cells();
   if (!form_) {
-    auto made = make_host_method(light_field_ ? *light_field_ : LightField(geometry_), settings_);
+    auto made = make_host_method(*light_field_, settings_);
     if (!made) return tl::unexpected(made.error());
     form_ = std::move(*made);
+    next_ = receivers_.size();
+  }
+  if (next_ == receivers_.size()) {
+    std::fill(irradiance_.begin(), irradiance_.end(), 0.0);
     next_ = 0;
     took_s_ = 0;
   }
@@ -55,13 +61,18 @@ Result<bool> HostEvaluation::evaluate(double seconds) {
   const std::size_t channels = geometry_.channels.size();
   // Each thread keeps its own first error.
   const auto compute = [&](std::size_t begin, std::size_t end, std::optional<Error>& error) {
-    for (std::size_t k = begin; k < end && !error; ++k) {
-      if (receivers_[k].n == Vec3(0, 0, 0)) continue;
-      const auto e = form_->irradiance(receivers_[k], static_cast<std::uint32_t>(k));
-      if (!e)
-        error = e.error();
-      else
-        std::copy(e->begin(), e->end(), irradiance_.begin() + static_cast<std::ptrdiff_t>(k * channels));
+    try {
+      for (std::size_t k = begin; k < end && !error; ++k) {
+        if (receivers_[k].n == Vec3(0, 0, 0)) continue;
+        const auto e = form_->irradiance(receivers_[k], static_cast<std::uint32_t>(k));
+        if (!e)
+          error = e.error();
+        else
+          std::copy(e->begin(), e->end(), irradiance_.begin() + static_cast<std::ptrdiff_t>(k * channels));
+      }
+    } catch (const std::exception& thrown) {
+      error =
+          Error{std::string("stopped: ") + thrown.what(), "host evaluation", "give fewer receivers, or more memory"};
     }
   };
   do {
@@ -72,7 +83,10 @@ Result<bool> HostEvaluation::evaluate(double seconds) {
       compute(next_, middle, errors[0]);
     }
     for (const auto& error : errors)
-      if (error) return tl::unexpected(*error);
+      if (error) {
+        form_.reset();
+        return tl::unexpected(*error);
+      }
     next_ = end;
   } while (next_ < receivers_.size() && passed() < seconds);
   took_s_ += passed();

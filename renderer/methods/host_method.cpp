@@ -29,9 +29,9 @@ LightField absolute(const LightField& light_field) {
 }
 
 /// The closed form in the methods' role; the reference is that without a level of detail.
-class ClosedFormMethod final : public HostMethod {
+class ClosedFormOnHost final : public HostMethod {
  public:
-  ClosedFormMethod(const LightField& light_field, double lod) : light_field_(light_field), form_(light_field, lod) {}
+  ClosedFormOnHost(const LightField& light_field, double lod) : light_field_(light_field), form_(light_field, lod) {}
 
   Result<std::vector<double>> irradiance(const Receiver& receiver, std::uint32_t) const override {
     return form_.irradiance(receiver);
@@ -67,6 +67,9 @@ Status check_settings(const MethodSettings& s) {
   if (!(s.lod >= 0 && std::isfinite(s.lod)))
     return fail("is negative or not finite", "level of detail", "give the pixels per support, or 0 for all");
   if (s.depth < 1) return fail("is less than 1", "depth of the search", "give more");
+  const bool importance = s.method == Method::position_dependent || s.method == Method::position_dependent_printed;
+  if (!importance && s.k_max > 0)
+    return fail("is heeded by the position-dependent methods alone", "k_max", "give 0, or take one of these");
   return {};
 }
 
@@ -74,9 +77,9 @@ Result<std::unique_ptr<HostMethod>> make_host_method(const LightField& light_fie
   if (const Status good = check_settings(settings); !good) return tl::unexpected(good.error());
   switch (settings.method) {
     case Method::closed_form:
-      return std::make_unique<ClosedFormMethod>(light_field, settings.lod);
+      return std::make_unique<ClosedFormOnHost>(light_field, settings.lod);
     case Method::reference:
-      return std::make_unique<ClosedFormMethod>(light_field, 0);
+      return std::make_unique<ClosedFormOnHost>(light_field, 0);
     case Method::position_dependent:
       return std::make_unique<PositionDependent>(light_field, settings);
     case Method::position_dependent_printed:

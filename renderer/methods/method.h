@@ -45,11 +45,11 @@ struct MethodSettings {
   Method method = Method::closed_form;
   double lod = 0;        ///< closed form: level of detail T, pixels per support and axis; 0 is exact
   double samples = 200;  ///< K per receiver; precomputed-lights: lights in all
-  double k_max = 0;      ///< bound of the samples of a receiver in one cell; 0: none
+  double k_max = 0;      ///< bound of the samples of a receiver in one cell; 0: none. Of the position-dependent alone
   std::uint32_t seed = 1;
   PointSequence sequence = PointSequence::halton;
-  Inversion inversion = Inversion::secant;
-  int depth = whole_depth;  ///< of the search in a cdf
+  Inversion inversion = Inversion::secant;  ///< in a cdf; another, or a depth, is of the host forms alone
+  int depth = whole_depth;                  ///< of the search
 };
 
 }  // namespace lumifield

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include "renderer/opencl/kernel_source.h"
@@ -227,7 +228,8 @@ void DeviceKernel::set_bytes(unsigned number, const void* value, std::size_t byt
 }
 
 Result<double> OpenClDevice::run(DeviceKernel& kernel, std::size_t items, std::size_t group) {
-  if (kernel.error_ != 0) return failed("setting the arguments of " + kernel.name_, kernel.error_, name());
+  if (const int code = std::exchange(kernel.error_, 0); code != 0)
+    return failed("setting the arguments of " + kernel.name_, code, name());
   if (items == 0) return 0.0;
   const std::size_t global = (items + group - 1) / group * group;
   cl_event done = nullptr;

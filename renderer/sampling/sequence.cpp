@@ -50,9 +50,9 @@ std::uint32_t hash(std::uint32_t a, std::uint32_t b, std::uint32_t c) { return h
 float unit(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
 
 PointSet::PointSet(PointSequence sequence, double most, std::uint32_t seed) : sequence_(sequence), seed_(seed) {
-  constexpr int twister_table = 1 << 16;
-  points_ = sequence == PointSequence::twister ? twister_points(twister_table, seed)
-                                               : halton_points(static_cast<int>(std::ceil(most)) + 1);
+  constexpr int least_table = 1 << 16;
+  const int all = static_cast<int>(std::ceil(most)) + 1;
+  points_ = sequence == PointSequence::twister ? twister_points(std::max(all, least_table), seed) : halton_points(all);
 }
 
 UnitPoint PointSet::at(std::uint32_t cell, std::uint32_t receiver, int k) const {

@@ -26,11 +26,11 @@ std::uint32_t hash(std::uint32_t a, std::uint32_t b, std::uint32_t c);
 float unit(std::uint32_t bits);
 
 /// Which points the samples of a cell and receiver are: of the Halton sequence the first ones for all; of the twister a
-/// stretch of a table of 65,536 that begins anywhere, so that cells and receivers are independent. Value type.
+/// stretch of a table of at least 65,536 that begins anywhere, so that cells and receivers are independent. Value type.
 enum class PointSequence { halton, twister };
 class PointSet {
  public:
-  /// most: samples of one cell and receiver, of the Halton sequence.
+  /// most: samples of one cell and receiver; none of them is the same point.
   PointSet(PointSequence sequence, double most, std::uint32_t seed);
   /// Point k, moved by the cell's shift.
   UnitPoint at(std::uint32_t cell, std::uint32_t receiver, int k) const;

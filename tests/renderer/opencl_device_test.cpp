@@ -32,7 +32,7 @@ TEST(OpenClDevice, StructsAreLaidOutAsOnTheHost) {
   if (!device) GTEST_SKIP() << device.error().message();
   auto kernel = (*device)->build("closed_form", "", "closed_form_layout");
   ASSERT_TRUE(kernel) << kernel.error().message();
-  std::vector<int> layout(11);
+  std::vector<int> layout(14);
   auto buffer = (*device)->allocate(layout.size() * sizeof(int), "the layout");
   ASSERT_TRUE(buffer);
   kernel->set(0, *buffer);
@@ -43,7 +43,24 @@ TEST(OpenClDevice, StructsAreLaidOutAsOnTheHost) {
                               offsetof(ClosedFormGeometry, levels), offsetof(ClosedFormGeometry, cells),
                               sizeof(ClosedFormReceiver), offsetof(ClosedFormReceiver, n_z), sizeof(ClosedFormCell),
                               offsetof(ClosedFormCell, sign), offsetof(ClosedFormCell, image), sizeof(ClosedFormLevel),
-                              offsetof(ClosedFormLevel, offset)}));
+                              offsetof(ClosedFormLevel, offset), offsetof(ClosedFormCell, column),
+                              sizeof(ClosedFormGrid), offsetof(ClosedFormGrid, rows)}));
+}
+
+TEST(OpenClDevice, AWrongArgumentFailsOneRunOnly) {
+  auto device = OpenClDevice::create();
+  if (!device) GTEST_SKIP() << device.error().message();
+  auto kernel = (*device)->build("probe", "", "probe");
+  ASSERT_TRUE(kernel) << kernel.error().message();
+  auto buffer = (*device)->allocate(sizeof(double), "the probe");
+  ASSERT_TRUE(buffer);
+  kernel->set(0, *buffer);
+  kernel->set(1, 20.5);
+  kernel->set(9, 1.0);
+  const auto failed = (*device)->run(*kernel, 1, 1);
+  ASSERT_FALSE(failed);
+  EXPECT_THAT(failed.error().message(), HasSubstr("arguments of probe"));
+  EXPECT_TRUE((*device)->run(*kernel, 1, 1));
 }
 
 TEST(OpenClDevice, ProbeNamesTheDevice) {

@@ -247,6 +247,22 @@ TEST_F(RendererTest, ANewViewsCellsAreSummedInSlices) {
   EXPECT_EQ(difference(fresh(scene_, field), *renderer->picture()), 0);
 }
 
+TEST_F(RendererTest, ALongRowIsSummedInSlicesToo) {
+  LuminaireGeometry geometry = geometry_of({"Y"});
+  geometry.sampling.columns = 40;
+  geometry.sampling.rows = 1;
+  const LightField field = light_field_of(geometry);
+  auto renderer = renderer_of(scene_, geometry);
+  for (int column = 0; column < 40; ++column) ASSERT_TRUE(renderer->keep_cell({0, column}, field.cell({0, column})));
+  std::vector<int> summed;
+  while (renderer->waiting() > 0) {
+    ASSERT_TRUE(renderer->sum_some(1e-9));
+    summed.push_back(renderer->summed());
+  }
+  EXPECT_EQ(summed, (std::vector<int>{16, 32, 40}));
+  EXPECT_LT(difference(fresh(scene_, field), *renderer->picture()), 1e-6);
+}
+
 TEST_F(RendererTest, CellsThatComeWhileOthersWaitAreSummedWithThem) {
   LightField field = light_field_of(geometry_of({"Y"}));
   auto renderer = renderer_of(scene_, field.geometry());

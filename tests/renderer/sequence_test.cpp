@@ -66,6 +66,15 @@ TEST(Sequence, CellsAndReceiversOfTheTwisterAreIndependent) {
   EXPECT_NE(halton.at(3, 5, 7).x, halton.at(4, 5, 7).x) << "each cell has its own rotation";
 }
 
+TEST(Sequence, TheTwisterDoesNotRepeatWithinACellAndReceiver) {
+  const int most = 100'000;
+  const PointSet twister(PointSequence::twister, most, 1);
+  int the_same = 0;
+  const UnitPoint first = twister.at(3, 5, 0);
+  for (int k = 1; k <= most; ++k) the_same += twister.at(3, 5, k).x == first.x && twister.at(3, 5, k).y == first.y;
+  EXPECT_EQ(the_same, 0);
+}
+
 TEST(Sequence, TheTwisterIsSeeded) {
   const auto a = twister_points(10, 5), b = twister_points(10, 5), c = twister_points(10, 6);
   EXPECT_EQ(a[9].x, b[9].x);
