@@ -4,9 +4,9 @@
 
 #include "renderer/methods/closed_form.h"
 #include "renderer/methods/image_levels.h"
+#include "renderer/study/definition_quadrature.h"
 #include "tests/support/closed_form_cases.h"
 #include "tests/support/coarse_luminaires.h"
-#include "tests/support/definition_quadrature.h"
 
 namespace lumifield {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/support/definition_quadrature.h"
+#include "renderer/study/definition_quadrature.h"
 
 #include <algorithm>
 #include <array>

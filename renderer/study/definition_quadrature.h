@@ -6,15 +6,16 @@
 
 namespace lumifield {
 
-/// Irradiance by quadrature of its definition, for tests of everything that computes it faster:
+/// Irradiance by quadrature of its definition, to judge everything that computes it faster:
 ///
 ///     E(p, n) = ∫_U L(u→s(u)) cosθ max(0, n·(u−p)) / |u−p|³ du,   L = Σ_m C_m(s) Φ_m(u) δ²/cos⁴θ
 ///
 /// U is split at every knot, at the image u(s) of every pixel edge, and along the horizon; four Gauss points an axis on
 /// each piece, where the integrand is a polynomial, leave only rounding. In long double, with basis functions,
-/// projection and splitting written here and nowhere else. Shares no code with the renderer.
+/// projection and splitting written here and nowhere else. Shares no code with the methods. Frame: the luminaire's.
+/// Safe from any thread.
 struct DefinitionValue {
-  std::vector<double> irradiance;  ///< per channel
+  std::vector<double> irradiance;  ///< per channel, the dataset's irradiance unit
   std::vector<double> magnitude;   ///< the same with |C_m|: what an error is measured against
 };
 
