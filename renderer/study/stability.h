@@ -10,9 +10,8 @@ struct StabilityCase {
   LuminaireGeometry geometry;
   std::vector<CellImage> cells;  ///< in the grid's order; an empty image is a missing cell
   std::vector<Receiver> receivers;
-  double samples = 200;      ///< K
-  double lod = 0;            ///< of the closed form
-  bool cut_horizon = false;  ///< the receivers' planes cut supports
+  double samples = 200;  ///< K; lights are ten times as many
+  double lod = 0;        ///< of the closed form
 };
 
 /// p on S (Δ = ±0, ±1e-9, ±1e-4), on pixel edges there; between the planes; near U and behind it; 10⁵ mm away; n
@@ -21,9 +20,10 @@ struct StabilityCase {
 /// that are no power of two; bright 4k images; δ/a from 2 to 200; K smaller than the number of cells.
 std::vector<StabilityCase> stability_cases();
 
-/// Every method in one case, host form and kernel. A method's mean over seeds, of its host form, must lie within what
-/// the method states of itself (five of its standard deviations, bias included), and its kernel too; an answer that the
-/// method itself calls worthless, by a deviation larger than the light, is a refusal.
+/// Errors: cells that no luminaire can have, the cell named.
+Result<LightField> luminaire_of(const StabilityCase& each);
+
+/// Every method in one case, host form and kernel (stability_judge.h).
 std::vector<StabilityRow> try_case(const StabilityCase& each);
 
 /// All of them.
