@@ -46,7 +46,6 @@ ChiSquare chi_square_2d(const ChiSquareGrid& grid, int samples, unsigned seed,
   std::vector<double> counts(static_cast<std::size_t>(bins), 0.0), expected(counts);
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
-  int drawn = 0;
   for (int k = 0; k < samples; ++k) {
     double x = 0, y = 0;
     const double xi1 = unit(random), xi2 = unit(random);
@@ -54,13 +53,12 @@ ChiSquare chi_square_2d(const ChiSquareGrid& grid, int samples, unsigned seed,
     const int i = std::clamp(static_cast<int>((x - grid.x0) / width), 0, grid.columns - 1);
     const int j = std::clamp(static_cast<int>((y - grid.y0) / height), 0, grid.rows - 1);
     counts[static_cast<std::size_t>(j * grid.columns + i)] += 1;
-    ++drawn;
   }
   for (int j = 0; j < grid.rows * grid.refine; ++j)
     for (int i = 0; i < grid.columns * grid.refine; ++i) {
       const double x = grid.x0 + (i + 0.5) * width / grid.refine, y = grid.y0 + (j + 0.5) * height / grid.refine;
       expected[static_cast<std::size_t>(j / grid.refine * grid.columns + i / grid.refine)] +=
-          drawn * pdf(x, y) * width * height / grid.refine / grid.refine;
+          samples * pdf(x, y) * width * height / grid.refine / grid.refine;
     }
   return chi_square(counts, expected);
 }

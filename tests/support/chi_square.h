@@ -6,19 +6,21 @@
 
 namespace lumifield {
 
-/// Pearson's test of counts against expectations. Bins that expect fewer than 5 are pooled.
+/// Pearson's test of counts against expectations. Bins that expect fewer than 5 are pooled; nothing counted in one bin
+/// says nothing, so it is not plausible.
 struct ChiSquare {
   double statistic = 0;
   int degrees = 0;
   /// What the statistic passes once in 30,000 times by chance (Wilson, Hilferty 1931).
   double bound() const;
-  bool plausible() const { return statistic <= bound(); }
+  bool plausible() const { return degrees > 0 && statistic <= bound(); }
   std::string text() const;
 };
 ChiSquare chi_square(std::span<const double> counts, std::span<const double> expected);
 
-/// Draws `samples` points of the unit square's grid of xi (seeded), bins them over columns × rows of a rectangle, and
-/// tests them against ∫ pdf over each bin, integrated by `refine`² midpoints: exact where the pdf is constant on them.
+/// Draws `samples` points of the unit square (seeded), bins them over columns × rows of a rectangle, and tests them
+/// against ∫ pdf over each bin, integrated by `refine`² midpoints: exact where the pdf is constant on them. A point
+/// that is not drawn is missed.
 struct ChiSquareGrid {
   double x0, x1, y0, y1;
   int columns, rows, refine = 1;
