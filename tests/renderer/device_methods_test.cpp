@@ -1,5 +1,6 @@
 // The kernels of the sampling methods against their host forms in double: the same draws, so the same irradiance but
 // for the few draws that rounding puts into another pixel.
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -51,9 +52,15 @@ std::vector<Receiver> receivers(bool before_s) {
 }
 
 struct Difference {
-  double rms = 0;   ///< relative to the RMS of the host's values
-  int far_off = 0;  ///< receivers off by more than 1e-4 of the host's RMS
+  double rms = 0;   ///< of those not far off, relative to the RMS of the host's values
+  int far_off = 0;  ///< values off by more than 1e-5 of the host's RMS
 };
+/// Rounding of float in τ and in a weight, a few 2⁻²⁴.
+constexpr double rounding = 1e-6;
+/// Of 18,000 draws over supports of 30 columns half a step of a float cdf at each moves 0.02 to the pixel beside: more
+/// than 2 by chance once in a million.
+constexpr int strays = 2;
+
 Difference compare(const LightField& field, const MethodSettings& settings, const std::vector<Receiver>& at) {
   const auto host = make_host_method(field, settings).value();
   const auto device = make_device_method(field.geometry(), settings).value();
@@ -73,8 +80,10 @@ Difference compare(const LightField& field, const MethodSettings& settings, cons
   Difference difference;
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     EXPECT_TRUE(std::isfinite(got[k]));
-    squares += std::pow(got[k] - wanted[k], 2);
-    difference.far_off += std::abs(got[k] - wanted[k]) > 1e-4 * std::sqrt(all / double(wanted.size()));
+    if (std::abs(got[k] - wanted[k]) > 1e-5 * std::sqrt(all / double(wanted.size())))
+      ++difference.far_off;
+    else
+      squares += std::pow(got[k] - wanted[k], 2);
   }
   difference.rms = std::sqrt(squares / all);
   return difference;
@@ -86,13 +95,13 @@ TEST_F(DeviceMethods, DrawAsTheirHostFormsDo) {
       const LightField field = small_luminaire(basis, channels);
       for (const Method method : {Method::position_dependent, Method::uniform_box}) {
         const Difference d = compare(field, {.method = method, .samples = 60}, receivers(true));
-        EXPECT_LT(d.rms, 3e-3) << to_string(method) << ' ' << to_string(basis) << ' ' << channels;
-        EXPECT_LE(d.far_off, 6 * channels) << to_string(method) << ' ' << to_string(basis) << ' ' << channels;
+        EXPECT_LT(d.rms, rounding) << to_string(method) << ' ' << to_string(basis) << ' ' << channels;
+        EXPECT_LE(d.far_off, strays * channels) << to_string(method) << ' ' << to_string(basis) << ' ' << channels;
       }
       const Difference printed =
           compare(field, {.method = Method::position_dependent_printed, .samples = 60}, receivers(false));
-      EXPECT_LT(printed.rms, 3e-3) << to_string(basis) << ' ' << channels;
-      EXPECT_LE(printed.far_off, 6 * channels);
+      EXPECT_LT(printed.rms, rounding) << to_string(basis) << ' ' << channels;
+      EXPECT_LE(printed.far_off, strays * channels);
     }
 }
 
@@ -100,8 +109,11 @@ TEST_F(DeviceMethods, LightsAndFarFieldAreThoseOfTheHost) {
   for (const BasisKind basis : {BasisKind::tent, BasisKind::bell, BasisKind::bspline2})
     for (const int channels : {1, 3}) {
       const LightField field = small_luminaire(basis, channels);
-      EXPECT_LT(compare(field, {.method = Method::precomputed_lights, .samples = 500}, receivers(false)).rms, 1e-5);
-      EXPECT_LT(compare(field, {.method = Method::far_field}, receivers(false)).rms, 1e-6);
+      for (const Method method : {Method::precomputed_lights, Method::far_field}) {
+        const Difference d = compare(field, {.method = method, .samples = 500}, receivers(false));
+        EXPECT_LT(d.rms, rounding) << to_string(method) << ' ' << to_string(basis) << ' ' << channels;
+        EXPECT_EQ(d.far_off, 0) << to_string(method) << ' ' << to_string(basis) << ' ' << channels;
+      }
     }
 }
 
@@ -112,8 +124,8 @@ TEST_F(DeviceMethods, AllSettingsReachTheKernel) {
         MethodSettings{.method = Method::position_dependent, .samples = 37.5, .sequence = PointSequence::twister},
         MethodSettings{.method = Method::uniform_box, .samples = 5, .seed = 4, .sequence = PointSequence::twister}}) {
     const Difference d = compare(field, settings, receivers(true));
-    EXPECT_LT(d.rms, 3e-3);
-    EXPECT_LE(d.far_off, 6);
+    EXPECT_LT(d.rms, rounding);
+    EXPECT_LE(d.far_off, strays);
   }
 }
 
@@ -133,8 +145,8 @@ TEST_F(DeviceMethods, WideAndTallBoxesAreSearchedRight) {
   std::vector<Receiver> at;
   for (int k = 0; k < 60; ++k) at.push_back({{0.7 * k - 20, 12 - 0.4 * k, 64.0 + 6 * k}, {0, 0, -1}});
   const Difference d = compare(field, {.method = Method::position_dependent, .samples = 100}, at);
-  EXPECT_LT(d.rms, 3e-3);
-  EXPECT_LE(d.far_off, 6);
+  EXPECT_LT(d.rms, rounding);
+  EXPECT_LE(d.far_off, strays);
 }
 
 TEST_F(DeviceMethods, ThePlainKernelDrawsTheSame) {
@@ -148,15 +160,20 @@ TEST_F(DeviceMethods, ThePlainKernelDrawsTheSame) {
     ASSERT_TRUE(device->evaluate(HUGE_VAL).value());
     ASSERT_TRUE(device->read(sums[plain]));
   }
-  int other = 0;
-  for (std::size_t k = 0; k < sums[0].size(); ++k)
-    other += std::abs(sums[0][k] - sums[1][k]) > 1e-4 * std::abs(sums[1][k]);
-  EXPECT_LE(other, 6);
+  int other = 0, lit = 0;
+  for (std::size_t k = 0; k < sums[0].size(); ++k) {
+    other += !(std::abs(sums[0][k] - sums[1][k]) <= 1e-4 * std::abs(sums[1][k]));
+    lit += sums[1][k] > 0;
+  }
+  EXPECT_LE(other, strays);
+  EXPECT_GT(lit, 200) << "of 300 receivers";
 }
 
 TEST_F(DeviceMethods, TheReferenceIsTheHosts) {
   const LightField field = small_luminaire(BasisKind::bell, 3);
-  EXPECT_EQ(compare(field, {.method = Method::reference}, receivers(true)).rms, 0);
+  const Difference d = compare(field, {.method = Method::reference}, receivers(true));
+  EXPECT_EQ(d.rms, 0);
+  EXPECT_EQ(d.far_off, 0);
 }
 
 TEST_F(DeviceMethods, EvaluateInPiecesIsTheWhole) {
@@ -171,6 +188,7 @@ TEST_F(DeviceMethods, EvaluateInPiecesIsTheWhole) {
     std::vector<double> whole, pieces;
     ASSERT_TRUE(device->evaluate(HUGE_VAL).value());
     ASSERT_TRUE(device->read(whole));
+    ASSERT_GT(std::ranges::count_if(whole, [](double e) { return e > 0; }), 6000) << "of 9,000 receivers";
     ASSERT_TRUE(device->set_receivers(many));
     int calls = 1;
     while (!device->evaluate(0).value()) ++calls;
