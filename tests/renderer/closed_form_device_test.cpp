@@ -81,7 +81,7 @@ TEST_P(ClosedFormDeviceOf, EqualsTheDefinition) {
     const DefinitionValue expected = definition_quadrature(*field_, each.p_mm, each.n);
     for (std::size_t c = 0; c < channels; ++c) {
       const double error = std::abs(e[k * channels + c] - expected.irradiance[c]);
-      EXPECT_LE(error, (each.cut_horizon ? 1e-3 : 1e-5) * expected.magnitude[c])
+      EXPECT_LE(error, 1e-5 * expected.magnitude[c])
           << each.name << " p " << each.p_mm.transpose() << " n " << each.n.transpose();
       if (expected.magnitude[c] > 0) worst[each.name] = std::max(worst[each.name], error / expected.magnitude[c]);
     }
