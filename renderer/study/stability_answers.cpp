@@ -64,7 +64,7 @@ StabilityTruth stability_truth(const StabilityCase& each, const LightField& ligh
     double most = 0;
     for (int flat = 0; flat < sampling.cells(); ++flat) {
       const Vec2 u_m = sampling.cell_center_mm(sampling.index(flat));
-      most = std::max(most, std::abs(r.n.dot(Vec3(u_m.x(), u_m.y(), 0) - r.p_mm)));
+      most = std::max(most, r.n.cwiseAbs().dot((Vec3(u_m.x(), u_m.y(), 0) - r.p_mm).cwiseAbs()));
     }
     most += half * sampling.spacing_mm.dot(r.n.head<2>().cwiseAbs());
     // That of a receiver parallel to U has no other term than its height.

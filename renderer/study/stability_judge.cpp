@@ -19,6 +19,7 @@ constexpr double most_stated = 0.25;
 StabilityRow failure(StabilityRow row, std::string why) {
   row.outcome = StabilityOutcome::failed;
   row.reason = std::move(why);
+  if (std::isnan(row.rel_error)) row.rel_error = HUGE_VAL;
   return row;
 }
 
@@ -109,6 +110,17 @@ std::string judge_kernel(Method method, const StabilityCase& each, const Stabili
   return {};
 }
 
+/// Why the stated errors make an answer of no use, or nothing.
+std::string no_use(const StabilityTruth& truth, const StabilityAnswers& answers) {
+  for (std::size_t k = 0; k < truth.light.size(); ++k) {
+    const double share = share_of(answers.host[0][k].stated_error[0], truth.light[k]);
+    if (share > most_stated)
+      return truth.light[k] > 0 ? "states an error of " + percent(share) + " of the light"
+                                : "states an error though there is no light";
+  }
+  return {};
+}
+
 }  // namespace
 
 bool is_sampler(Method method) {
@@ -118,26 +130,21 @@ bool is_sampler(Method method) {
 StabilityRow judged(Method method, const StabilityCase& each, const StabilityTruth& truth,
                     const StabilityAnswers& answers) {
   StabilityRow row{method, each.name, StabilityOutcome::refused, std::nan(""), answers.host_refuses};
-  if (answers.host_refuses.empty() && !answers.kernel_refuses.empty())
-    return failure(row, "kernel: " + answers.kernel_refuses);
-  if (!answers.host_refuses.empty() && answers.kernel_refuses.empty())
-    return failure(row, "kernel: answers where its host form says: " + answers.host_refuses);
-  if (!answers.host_refuses.empty()) return row;
-
-  row.rel_error = HUGE_VAL;
+  if (!answers.host_refuses.empty())
+    return answers.kernel_refuses.empty()
+               ? failure(row, "kernel: answers where its host form says: " + answers.host_refuses)
+               : row;
   if (!finite(answers)) return failure(row, "not finite");
-  row.rel_error = 0;
-  for (std::string why : {judge_host(method, each, truth, answers, row.rel_error),
-                          judge_kernel(method, each, truth, answers, row.rel_error)})
-    if (!why.empty()) return failure(row, std::move(why));
-  for (std::size_t k = 0; k < each.receivers.size(); ++k) {
-    const double share = share_of(answers.host[0][k].stated_error[0], truth.light[k]);
-    if (share <= most_stated) continue;
-    row.rel_error = std::nan("");
-    row.reason = truth.light[k] > 0 ? "states an error of " + percent(share) + " of the light"
-                                    : "states an error though there is no light";
-    return row;
-  }
+
+  double worst = 0;
+  std::string wrong = judge_host(method, each, truth, answers, worst);
+  if (wrong.empty()) wrong = judge_kernel(method, each, truth, answers, worst);
+  row.reason = no_use(truth, answers);
+  if (wrong.empty() && row.reason.empty() && !answers.kernel_refuses.empty())
+    wrong = "kernel: " + answers.kernel_refuses;
+  if (wrong.empty() && !row.reason.empty()) return row;
+  row.rel_error = worst;
+  if (!wrong.empty()) return failure(row, std::move(wrong));
   row.outcome = StabilityOutcome::ok;
   return row;
 }

@@ -10,8 +10,8 @@ namespace lumifield {
 struct StabilityTruth {
   std::vector<double> irradiance;  ///< E
   std::vector<double> light;       ///< Σ_m ∫|C_m Φ_m| max(0, n·(u−p)), what errors are shares of
-  /// The same with the terms of n·(u−p) = n·(u_m−p) + n·(u−u_m) not cancelled: near U and at grazing angles it is what
-  /// rounds. A bound: the largest of the cells.
+  /// The same of |n_x (u−p)_x| + |n_y (u−p)_y| + |n_z p_z|, which n·(u−p) rounds with: much more than the light near U
+  /// and at grazing angles. A bound: the largest of all supports.
   std::vector<double> terms;
 };
 StabilityTruth stability_truth(const StabilityCase& each, const LightField& light_field);
@@ -32,8 +32,10 @@ bool is_sampler(Method method);
 ///   (closed form with one, far field), or what chance and a stated bias do to a sampler's mean over the seeds;
 /// - the kernel is off the host form of the same seed by more than rounding of float, but for the few runs in which
 ///   rounding moves a draw to the pixel beside;
-/// - one form answers where the other refuses, or answers NaN or Inf.
-/// Else `refused` where both forms refuse, and where one run states an error above a quarter of a receiver's light.
+/// - a form answers NaN or Inf, or the kernel answers where its host form refuses, or refuses where that has an answer
+///   of use.
+/// Else `refused` where both refuse, and where one run states an error above a quarter of a receiver's light: no answer
+/// of use.
 StabilityRow judged(Method method, const StabilityCase& each, const StabilityTruth& truth,
                     const StabilityAnswers& answers);
 

@@ -182,13 +182,16 @@ TEST_F(Stability, TheTableIsRightAndWouldFindWhatIsWrong) {
 TEST_F(Stability, AFormThatRefusesAloneFails) {
   Tried tried = one(Method::position_dependent, "beyond S");
   ASSERT_EQ(tried.row.outcome, StabilityOutcome::ok);
-  const auto outcome = [&] { return judged(tried.method, tried.in, tried.truth, tried.answers).outcome; };
+  const auto now = [&] { return judged(tried.method, tried.in, tried.truth, tried.answers).outcome; };
   tried.answers.host_refuses = "no";
-  EXPECT_EQ(outcome(), StabilityOutcome::failed);
+  EXPECT_EQ(now(), StabilityOutcome::failed);
   tried.answers.kernel_refuses = "no";
-  EXPECT_EQ(outcome(), StabilityOutcome::refused);
+  EXPECT_EQ(now(), StabilityOutcome::refused);
   tried.answers.host_refuses.clear();
-  EXPECT_EQ(outcome(), StabilityOutcome::failed);
+  tried.answers.kernel.clear();
+  EXPECT_EQ(now(), StabilityOutcome::failed);
+  for (auto& run : tried.answers.host) run[0].stated_error[0] = tried.truth.light[0];
+  EXPECT_EQ(now(), StabilityOutcome::refused) << "the answer that the kernel refuses would be of no use";
 }
 
 TEST_F(Stability, AQuarterOfTheLightIsNoAnswer) {
