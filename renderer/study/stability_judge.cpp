@@ -49,6 +49,7 @@ double kernel_rounding(const StabilityTruth& truth, std::size_t k, double host) 
 /// is off by half a step of 2⁻²⁴ at each edge of the columns that a support shows.
 int most_strays(const StabilityCase& each, const StabilityAnswers& answers) {
   const Basis basis(each.geometry.sampling.basis);
+  const auto runs = static_cast<int>(answers.kernel.size() * each.receivers.size());
   double expected = 0;
   for (const Receiver& r : each.receivers) {
     const ReceiverView view(each.geometry, basis, r);
@@ -58,7 +59,7 @@ int most_strays(const StabilityCase& each, const StabilityAnswers& answers) {
   }
   double term = std::exp(-expected), more = 1 - term;
   int k = 0;
-  for (; more > 1e-5; more -= term) term *= expected / ++k;
+  for (; k < runs && more > 1e-5; more -= term) term *= expected / ++k;
   return k;
 }
 
