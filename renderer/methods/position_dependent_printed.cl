@@ -65,7 +65,7 @@ __kernel void position_dependent_printed(const SamplingGeometry geometry, __glob
   const SamplingReceiver at = receivers[id];
   const View view = view_of(&geometry, at);
   const float delta = (float)(at.p_z - geometry.separation), separation = (float)geometry.separation;
-  const float2 p = (float2)((float)at.p_x, (float)at.p_y);
+  const double2 p = (double2)(at.p_x, at.p_y), spacing = (double2)(geometry.spacing_x, geometry.spacing_y);
   const float3 n = (float3)((float)at.n_x, (float)at.n_y, (float)at.n_z);
 
   // Step 1: A.
@@ -89,13 +89,13 @@ __kernel void position_dependent_printed(const SamplingGeometry geometry, __glob
     double kappa = geometry.samples * (a / all);
     if (geometry.k_max > 0) kappa = fmin(kappa, geometry.k_max);
     const int samples = (int)floor(kappa + 0.5);
-    const float2 u_m = (float2)((float)cell.u_x, (float)cell.u_y), spacing = (float2)((float)geometry.spacing_x, (float)geometry.spacing_y);
+    const double2 u_m = (double2)(cell.u_x, cell.u_y);
     const uint first = first_point(&geometry, 0, (uint)id);
     float part[CHANNELS];
     for (int c = 0; c < CHANNELS; ++c) part[c] = 0;
     for (int k = 0; k < samples; ++k) {
       const float2 xi = sample_point(&geometry, points, &cell, first, k);
-      float2 u;
+      double2 u;
       int i, j;
       if (view.r > 0) {
         const double x = inverse(marginals + (size_t)m * geometry.stride, geometry.width, box.low.x, box.high.x, xi.x);
@@ -105,19 +105,19 @@ __kernel void position_dependent_printed(const SamplingGeometry geometry, __glob
                                  geometry.height, box.low.y, box.high.y, xi.y);
         j = min((int)y, geometry.height - 1);
         if (y < 0) continue;
-        const float2 s = convert_float2((double2)(geometry.corner_x, geometry.corner_y) +
-                                        (double2)(x, y) * (double2)(geometry.pixel_x, geometry.pixel_y));
-        u = p + (s - p) * ((separation + delta) / delta);
+        const double2 s = (double2)(geometry.corner_x, geometry.corner_y) +
+                          (double2)(x, y) * (double2)(geometry.pixel_x, geometry.pixel_y);
+        u = p + (s - p) * (at.p_z / (at.p_z - geometry.separation));
       } else {
-        u = u_m + spacing * ((float)HALF * (2 * xi - 1));
+        u = u_m + spacing * convert_double2((float)HALF * (2 * xi - 1));
         i = (int)box.center.x;
         j = (int)box.center.y;
       }
       // Ψ = Φ δ²/cos⁴θ; the receiver's cosine and 1/|·−p|³ on S, or on U from S itself.
-      const float3 up = (float3)(u - p, -(separation + delta));
+      const float3 up = (float3)(convert_float2(u - p), -(separation + delta));
       const float distance = length(up);
       const float cosine = (separation + delta) / distance;
-      const float2 tau = (u - u_m) / spacing;
+      const float2 tau = convert_float2((u - u_m) / spacing);
       const float psi = phi(tau.x) * phi(tau.y) * separation * separation / (cosine * cosine * cosine * cosine);
       const float facing = fmax(dot(n, up) / distance, 0.0f);
       const float to_plane = view.r > 0 ? delta : separation, share = to_plane / (separation + delta);

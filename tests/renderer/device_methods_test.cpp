@@ -7,6 +7,7 @@
 #include "renderer/methods/device_method.h"
 #include "renderer/methods/host_method.h"
 #include "renderer/methods/image_sampler_device.h"
+#include "renderer/methods/position_dependent_printed.h"
 #include "renderer/opencl/device.h"
 #include "renderer/renderer.h"
 #include "renderer/study/synthetic_luminaire.h"
@@ -103,6 +104,22 @@ TEST_F(DeviceMethods, DrawAsTheirHostFormsDo) {
       EXPECT_LT(printed.rms, rounding) << to_string(basis) << ' ' << channels;
       EXPECT_LE(printed.far_off, strays * channels);
     }
+}
+
+TEST_F(DeviceMethods, AsPrintedAgreesWhereASupportIsNarrowAndWhereReceiversAreFar) {
+  const LightField field = small_luminaire(BasisKind::bell, 1);
+  // Supports of 1.1 thousandths of a pixel just beyond S, the least that the method takes; and 100 m away.
+  std::vector<Receiver> at;
+  for (int k = 0; k < 40; ++k)
+    at.push_back({{9.3 * std::sin(k) - 0.37, 7.1 * std::cos(2 * k), 60 / (1 - 1.1 * printed_least_span_px / 32)},
+                  Vec3(0.2, -0.1, -1).normalized()});
+  for (int k = 0; k < 40; ++k) at.push_back({{2e4 + k, -1e4, 1e5}, Vec3(-0.2, 0.1, -1).normalized()});
+  for (const auto part : {std::span(at).first(40), std::span(at).last(40)}) {
+    const Difference d =
+        compare(field, {.method = Method::position_dependent_printed, .samples = 60}, {part.begin(), part.end()});
+    EXPECT_LT(d.rms, rounding);
+    EXPECT_LE(d.far_off, strays);
+  }
 }
 
 TEST_F(DeviceMethods, LightsAndFarFieldAreThoseOfTheHost) {
