@@ -4,8 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "renderer/methods/host_method.h"
-#include "renderer/methods/sampled_device.h"
+#include "renderer/methods/closed_form_shared.h"
 
 namespace lumifield {
 
@@ -14,72 +13,70 @@ Result<std::unique_ptr<ClosedFormEvaluation>> ClosedFormEvaluation::create(const
   auto device = ClosedFormDevice::create(geometry);
   if (!device) return tl::unexpected(device.error());
   if (Status set = (*device)->set_lod(settings.lod); !set) return tl::unexpected(set.error());
-  return std::unique_ptr<ClosedFormEvaluation>(new ClosedFormEvaluation(geometry, settings, std::move(*device)));
+  std::unique_ptr<ClosedFormEvaluation> made(new ClosedFormEvaluation(geometry, settings));
+  made->device_ = std::move(*device);
+  return made;
 }
 
-Status ClosedFormEvaluation::set_cells(const LightField& light_field) {
-  if (const Status same = check_same_luminaire(light_field.geometry(), geometry_); !same) return same;
-  light_field_ = light_field;
-  begun_ = false;
-  return {};
-}
-
-Status ClosedFormEvaluation::set_receivers(std::span<const Receiver> receivers) {
-  clear_ = false;
-  if (const Status set = device_->set_receivers(receivers); !set) return set;
-  receivers_.assign(receivers.begin(), receivers.end());
-  clear_ = true;
-  begun_ = false;
-  return {};
-}
-
-Status ClosedFormEvaluation::set_samples(double samples, std::uint32_t seed) {
-  MethodSettings settings = settings_;
-  settings.samples = samples;
-  settings.seed = seed;
-  if (const Status good = check_settings(settings); !good) return good;
-  settings_ = settings;
-  return {};
-}
-
-Status ClosedFormEvaluation::add_rows(int rows) {
-  std::vector<CellIndex> cells;
-  std::vector<std::shared_ptr<const CellImage>> images;
-  std::vector<const CellImage*> pointers;
-  for (const int end = next_row_ + rows; next_row_ < end; ++next_row_)
-    for (int column = 0; column < geometry_.sampling.columns; ++column) {
-      auto image = light_field_->cell({next_row_, column});
-      if (!image) continue;
-      cells.push_back({next_row_, column});
-      pointers.push_back(image.get());
-      images.push_back(std::move(image));
-    }
-  const Status added = device_->add_cells(cells, pointers);
-  kernel_s_ += device_->last_kernel_s();
-  return added;
-}
-
-Result<bool> ClosedFormEvaluation::evaluate(double seconds) {
-  if (!light_field_) return no_cells();
-  const int all = geometry_.sampling.rows;
-  if (!begun_ || next_row_ == all) {
-    if (!clear_)
-      if (Status cleared = device_->set_receivers(receivers_); !cleared) return tl::unexpected(cleared.error());
-    begun_ = true;
-    next_row_ = 0;
-    kernel_s_ = 0;
+Status ClosedFormEvaluation::take_cells(const LightField& light_field) {
+  cells_.clear();
+  images_.clear();
+  for (int flat = 0; flat < geometry_.sampling.cells(); ++flat) {
+    auto image = light_field.cell(geometry_.sampling.index(flat));
+    if (!image) continue;
+    cells_.push_back(geometry_.sampling.index(flat));
+    images_.push_back(std::move(image));
   }
-  clear_ = false;
+  return {};
+}
+
+Status ClosedFormEvaluation::take_receivers(std::span<const Receiver> receivers) {
+  receivers_.assign(receivers.begin(), receivers.end());
+  const Status set = device_->set_receivers(receivers_);
+  clear_ = set.has_value();
+  return set;
+}
+
+Status ClosedFormEvaluation::begin() {
+  if (!clear_)
+    if (Status cleared = device_->set_receivers(receivers_); !cleared) return cleared;
+  clear_ = true;
+  next_ = 0;
+  kernel_s_ = 0;
+  return {};
+}
+
+std::size_t ClosedFormEvaluation::fit(double seconds) const {
+  const std::size_t left = cells_.size() - next_;
+  if (!std::isfinite(seconds)) return left;
+  const double each_s = next_ > 0 ? kernel_s_ / static_cast<double>(next_) : 0;
+  const double cells = each_s > 0 ? seconds / each_s : GRID_CELLS;
+  return std::min(left, static_cast<std::size_t>(std::clamp(cells, 1.0, 1e6)));
+}
+
+Result<bool> ClosedFormEvaluation::go_on(double seconds) {
   const auto start = std::chrono::steady_clock::now();
-  const auto passed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-  do {
-    // Rows together share what is theirs; one by one where the clock is looked at.
-    if (Status added = add_rows(std::isinf(seconds) ? all - next_row_ : 1); !added) {
-      begun_ = false;
+  while (next_ < cells_.size()) {
+    const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const std::size_t count = fit(seconds - passed);
+    std::vector<const CellImage*> images;
+    for (std::size_t k = next_; k < next_ + count; ++k) images.push_back(images_[k].get());
+    clear_ = false;
+    if (Status added = device_->add_cells(std::span(cells_).subspan(next_, count), images); !added)
       return tl::unexpected(added.error());
-    }
-  } while (next_row_ < all && passed() < seconds);
-  return next_row_ == all;
+    kernel_s_ += device_->last_kernel_s();
+    next_ += count;
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >= seconds) break;
+  }
+  return next_ == cells_.size();
+}
+
+Status ClosedFormEvaluation::read_computed(std::span<double> irradiance) {
+  if (next_ < cells_.size()) return {};
+  std::vector<double> sums;
+  if (Status read = device_->read(sums); !read) return read;
+  std::copy(sums.begin(), sums.end(), irradiance.begin());
+  return {};
 }
 
 }  // namespace lumifield

@@ -1,42 +1,39 @@
 #pragma once
 
-#include <optional>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "renderer/methods/closed_form.h"
 #include "renderer/methods/device_method.h"
 
 namespace lumifield {
 
-/// The closed form in the role of the methods: each evaluation sums all cells anew, in pieces of rows of the grid. Read
-/// in the midst of one, every receiver has the light of the rows summed so far. Thread-bound.
+/// The closed form's kernel in the methods' role. It is additive, so that an evaluation adds cells piece by piece to
+/// all receivers, of which none is computed before the last. Its samples and seed count for nothing. Thread-bound.
 class ClosedFormEvaluation final : public DeviceMethod {
  public:
-  /// Errors: those of ClosedFormDevice.
   static Result<std::unique_ptr<ClosedFormEvaluation>> create(const LuminaireGeometry& geometry,
                                                               const MethodSettings& settings);
-
-  Status set_cells(const LightField& light_field) override;
-  Status set_receivers(std::span<const Receiver> receivers) override;
-  Status set_samples(double samples, std::uint32_t seed) override;
-  Result<bool> evaluate(double seconds) override;
-  Status read(std::vector<double>& irradiance) override { return device_->read(irradiance); }
   std::string device_name() const override { return device_->device_name(); }
   double kernel_s() const override { return kernel_s_; }
 
  private:
-  ClosedFormEvaluation(const LuminaireGeometry& geometry, const MethodSettings& settings,
-                       std::unique_ptr<ClosedFormDevice> device)
-      : geometry_(geometry), settings_(settings), device_(std::move(device)) {}
-  Status add_rows(int rows);
+  using DeviceMethod::DeviceMethod;
+  Status take_cells(const LightField& light_field) override;
+  Status take_receivers(std::span<const Receiver> receivers) override;
+  Status begin() override;
+  Result<bool> go_on(double seconds) override;
+  Status read_computed(std::span<double> irradiance) override;
+  /// Cells of the next piece, where `seconds` are left.
+  std::size_t fit(double seconds) const;
 
-  LuminaireGeometry geometry_;
-  MethodSettings settings_;
-  std::optional<LightField> light_field_;
   std::unique_ptr<ClosedFormDevice> device_;
-  std::vector<Receiver> receivers_;
-  bool clear_ = false;  ///< the device has the receivers, and no cell in its sums
-  bool begun_ = false;
-  int next_row_ = 0;
+  std::vector<CellIndex> cells_;                          ///< the measured ones in the grid's order
+  std::vector<std::shared_ptr<const CellImage>> images_;  ///< of these
+  std::vector<Receiver> receivers_;                       ///< to clear the sums by
+  bool clear_ = false;                                    ///< the device has them, and no cell in its sums
+  std::size_t next_ = 0;                                  ///< the first cell not added
   double kernel_s_ = 0;
 };
 

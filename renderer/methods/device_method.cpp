@@ -1,5 +1,8 @@
 #include "renderer/methods/device_method.h"
 
+#include <algorithm>
+
+#include "luminaire/dataset.h"
 #include "renderer/methods/closed_form_evaluation.h"
 #include "renderer/methods/far_field_device.h"
 #include "renderer/methods/host_evaluation.h"
@@ -8,6 +11,71 @@
 #include "renderer/methods/precomputed_lights_device.h"
 
 namespace lumifield {
+
+Status DeviceMethod::check_receiver(const Receiver&) const { return {}; }
+
+Status DeviceMethod::set_cells(const LightField& light_field) {
+  has_cells_ = begun_ = false;
+  if (const auto difference = first_difference(light_field.geometry(), geometry_))
+    return fail("the cells are of another luminaire: its " + *difference, "method", "make the method for it");
+  forget();
+  const Status taken = take_cells(light_field);
+  has_cells_ = taken.has_value();
+  return taken;
+}
+
+Status DeviceMethod::set_receivers(std::span<const Receiver> receivers) {
+  if (receivers.size() > std::size_t(1) << 30) return fail("more than 2^30 receivers", "receivers", "render in parts");
+  for (std::size_t k = 0; k < receivers.size(); ++k) {
+    const Receiver& r = receivers[k];
+    if (!r.p_mm.allFinite() || !r.n.allFinite())
+      return fail("has NaN or Inf", "receiver " + std::to_string(k), "give finite numbers");
+    if (!(r.p_mm.z() > 0) || r.n == Vec3(0, 0, 0)) continue;
+    if (const Status good = check_receiver(r); !good) {
+      Error error = good.error();
+      error.where += " " + std::to_string(k);
+      return tl::unexpected(std::move(error));
+    }
+  }
+  has_receivers_ = begun_ = false;
+  count_ = receivers.size();
+  const Status taken = take_receivers(receivers);
+  has_receivers_ = taken.has_value();
+  return taken;
+}
+
+Status DeviceMethod::set_samples(double samples, std::uint32_t seed) {
+  MethodSettings settings = settings_;
+  settings.samples = samples;
+  settings.seed = seed;
+  if (const Status good = check_settings(settings); !good) return good;
+  settings_ = settings;
+  begun_ = false;
+  forget();
+  return {};
+}
+
+Status DeviceMethod::check_set() const {
+  if (!has_cells_) return fail("has no cells", std::string(to_string(settings_.method)), "set them first");
+  if (!has_receivers_) return fail("has no receivers", std::string(to_string(settings_.method)), "set them first");
+  return {};
+}
+
+Result<bool> DeviceMethod::evaluate(double seconds) {
+  if (const Status set = check_set(); !set) return tl::unexpected(set.error());
+  if (!begun_)
+    if (const Status begins = begin(); !begins) return tl::unexpected(begins.error());
+  begun_ = true;
+  const auto done = go_on(seconds);
+  begun_ = done.has_value();
+  return done;
+}
+
+Status DeviceMethod::read(std::vector<double>& irradiance) {
+  if (const Status set = check_set(); !set) return set;
+  irradiance.assign(count_ * channels(), 0.0);
+  return begun_ ? read_computed(irradiance) : Status{};
+}
 
 namespace {
 
@@ -19,14 +87,9 @@ Result<std::unique_ptr<DeviceMethod>> as_method(Result<std::unique_ptr<Device>> 
 
 }  // namespace
 
-tl::unexpected<Error> no_cells() { return fail("there are none", "cells", "set the luminaire's cells first"); }
-
 Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry& geometry,
                                                          const MethodSettings& settings) {
   if (const Status good = check_settings(settings); !good) return tl::unexpected(good.error());
-  const bool on_host = settings.method == Method::reference;
-  if (!on_host && (settings.inversion != Inversion::secant || settings.depth != whole_depth))
-    return fail("the kernels search by secant, to the end", "inversion and depth", "take the method's host form");
   switch (settings.method) {
     case Method::closed_form:
       return as_method(ClosedFormEvaluation::create(geometry, settings));

@@ -13,35 +13,64 @@ namespace lumifield {
 
 /// A method that computes many receivers, as OpenCL kernels: the cells and the receivers are set, then the irradiance
 /// of all receivers is computed from all cells, in pieces where the caller must not be held up. Compared with its host
-/// form (HostMethod) by tests. Thread-bound to its creator.
+/// form (HostMethod) by tests. This class keeps what is set and what is computed; a form computes. Thread-bound to its
+/// creator.
 class DeviceMethod {
  public:
   virtual ~DeviceMethod() = default;
 
-  /// Replaces the cells. Errors: another geometry, cells that the method cannot take, too much for the device.
-  virtual Status set_cells(const LightField& light_field) = 0;
-  /// Replaces the receivers; one with n = 0 gets 0. Errors: NaN or Inf, receivers at which the method has no answer.
-  virtual Status set_receivers(std::span<const Receiver> receivers) = 0;
+  /// Replaces the cells; after an error there are none. Errors: another geometry, cells that the method cannot take,
+  /// too much for the device.
+  Status set_cells(const LightField& light_field);
+  /// Replaces the receivers; one with n = 0 gets 0. Errors: NaN or Inf, receivers at which the method has no answer,
+  /// which leave those of before; of the device, after which there are none.
+  Status set_receivers(std::span<const Receiver> receivers);
   /// Number of samples K and the seed, from the next evaluation on. Errors: those of check_settings.
-  virtual Status set_samples(double samples, std::uint32_t seed) = 0;
+  Status set_samples(double samples, std::uint32_t seed);
 
-  /// Begins anew after any of the above, else goes on, for about `seconds` and at least one piece; true when all has
-  /// been computed. Errors: no cells were set, or those set last were refused.
-  virtual Result<bool> evaluate(double seconds) = 0;
-  /// E of the receivers computed, receiver-major: receivers · channels; 0 for the others. (The closed form's pieces are
-  /// cells: in the midst of an evaluation all receivers have part of their light.)
-  virtual Status read(std::vector<double>& irradiance) = 0;
+  /// Begins anew after any of the above, else goes on, for about `seconds` and at least one piece; true when all have
+  /// been computed. Errors: cells or receivers that are not set, the device's, after which it begins anew.
+  Result<bool> evaluate(double seconds);
+  /// E of the receivers computed since the evaluation began, receiver-major: receivers · channels; 0 for the others.
+  /// Errors: cells or receivers that are not set, the device's.
+  Status read(std::vector<double>& irradiance);
 
   virtual std::string device_name() const = 0;
   /// Kernel time since the evaluation began, seconds.
   virtual double kernel_s() const = 0;
+
+ protected:
+  DeviceMethod(const LuminaireGeometry& geometry, const MethodSettings& settings)
+      : geometry_(geometry), settings_(settings) {}
+
+  std::size_t channels() const { return geometry_.channels.size(); }
+  std::size_t receivers() const { return count_; }
+
+  virtual Status take_cells(const LightField& light_field) = 0;
+  /// Finite ones, at most 2^30, that pass check_receiver.
+  virtual Status take_receivers(std::span<const Receiver> receivers) = 0;
+  /// A receiver in front of U, of n ≠ 0, at which the method has no answer; named "receiver".
+  virtual Status check_receiver(const Receiver& receiver) const;
+  /// What was made of the cells, the number of samples and the seed no longer holds.
+  virtual void forget() {}
+  /// Nothing is computed, of the cells, receivers and samples as they are now.
+  virtual Status begin() = 0;
+  virtual Result<bool> go_on(double seconds) = 0;
+  /// What `read` says, once begun.
+  virtual Status read_computed(std::span<double> irradiance) = 0;
+
+  const LuminaireGeometry geometry_;
+  MethodSettings settings_;
+
+ private:
+  Status check_set() const;
+
+  std::size_t count_ = 0;  ///< receivers
+  bool has_cells_ = false, has_receivers_ = false, begun_ = false;
 };
 
-/// What an evaluation without cells says.
-tl::unexpected<Error> no_cells();
-
-/// The reference runs on the host. Errors: no OpenCL device, settings outside their range or that a kernel does not
-/// heed.
+/// The reference runs on the host. Errors: no OpenCL device, settings outside their range or that the kernels have no
+/// use for.
 Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry& geometry,
                                                          const MethodSettings& settings);
 

@@ -13,15 +13,13 @@ Result<std::unique_ptr<FarFieldDevice>> FarFieldDevice::create(const LuminaireGe
   return made;
 }
 
-Status FarFieldDevice::set_cells(const LightField& light_field) {
-  if (const Status same = check_same_luminaire(light_field.geometry(), geometry_); !same) return same;
+Status FarFieldDevice::take_cells(const LightField& light_field) {
   const FarFieldTable table(light_field);
   shared_.width = table.width();
   shared_.height = table.height();
   shared_.plane = table.width() * table.height();
   shared_.corner_x = table.first_q_mm().x();
   shared_.corner_y = table.first_q_mm().y();
-  begin_anew(true);
   return upload(table_, std::vector<float>(table.values().begin(), table.values().end()), "the far field");
 }
 

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "renderer/methods/device_method.h"
 #include "renderer/methods/host_method.h"
@@ -10,22 +14,29 @@ namespace lumifield {
 /// A host form in the role of the kernels, on two threads: the reference for whole pictures, slowly. Thread-bound.
 class HostEvaluation final : public DeviceMethod {
  public:
-  HostEvaluation(const LuminaireGeometry& geometry, const MethodSettings& settings)
-      : geometry_(geometry), settings_(settings) {}
+  using Maker =
+      std::function<Result<std::unique_ptr<HostMethod>>(const LightField& light_field, const MethodSettings& settings)>;
+  /// What the form throws, out of memory, is an Error of the evaluation.
+  HostEvaluation(const LuminaireGeometry& geometry, const MethodSettings& settings, Maker make = make_host_method)
+      : DeviceMethod(geometry, settings), make_(std::move(make)) {}
 
-  Status set_cells(const LightField& light_field) override;
-  Status set_receivers(std::span<const Receiver> receivers) override;
-  Status set_samples(double samples, std::uint32_t seed) override;
-  Result<bool> evaluate(double seconds) override;
-  Status read(std::vector<double>& irradiance) override;
   std::string device_name() const override { return "host, double precision"; }
   double kernel_s() const override { return took_s_; }
 
  private:
-  LuminaireGeometry geometry_;
-  MethodSettings settings_;
+  Status take_cells(const LightField& light_field) override;
+  Status take_receivers(std::span<const Receiver> receivers) override;
+  void forget() override { form_.reset(); }
+  Status begin() override;
+  Result<bool> go_on(double seconds) override;
+  Status read_computed(std::span<double> irradiance) override;
+  /// Receivers [begin, end), up to the first error.
+  Status compute(std::size_t begin, std::size_t end);
+  Status compute_on_two_threads(std::size_t begin, std::size_t end);
+
+  Maker make_;
   std::optional<LightField> light_field_;
-  std::unique_ptr<HostMethod> form_;  ///< null until it is made for the cells and settings
+  std::unique_ptr<HostMethod> form_;  ///< null until it is made for the cells and samples
   std::vector<Receiver> receivers_;
   std::vector<double> irradiance_;
   std::size_t next_ = 0;  ///< the first not computed

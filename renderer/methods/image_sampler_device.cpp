@@ -46,13 +46,10 @@ Result<std::unique_ptr<ImageSamplerDevice>> ImageSamplerDevice::create(const Lum
   return made;
 }
 
-Status ImageSamplerDevice::set_cells(const LightField& light_field) {
-  if (const Status same = check_same_luminaire(light_field.geometry(), geometry_); !same) return same;
+Status ImageSamplerDevice::take_cells(const LightField& light_field) {
   const bool printed = settings_.method == Method::position_dependent_printed;
   if (printed)
     if (const Status good = check_printed_luminaire(light_field); !good) return good;
-
-  shared_.cells = 0;  // until all are there
 
   // One buffer each; the tables are of no use to uniform samples.
   const auto count = static_cast<std::size_t>(light_field.coverage().measured);
@@ -83,7 +80,6 @@ Status ImageSamplerDevice::set_cells(const LightField& light_field) {
     numbers_.push_back(flat);
   }
   shared_.cells = static_cast<int>(numbers_.size());
-  begin_anew(true);
   return {};
 }
 

@@ -16,10 +16,10 @@ class ImageSamplerDevice final : public SampledDevice {
                                                             const MethodSettings& settings,
                                                             SamplingSteps steps = SamplingSteps::all,
                                                             bool plain = false);
-  Status set_cells(const LightField& light_field) override;
 
  private:
   using SampledDevice::SampledDevice;
+  Status take_cells(const LightField& light_field) override;
   void set_arguments(DeviceKernel& kernel) override;
   Status make_points() override;
   Status check_receiver(const Receiver& receiver) const override;

@@ -18,10 +18,8 @@ Result<std::unique_ptr<PrecomputedLightsDevice>> PrecomputedLightsDevice::create
   return made;
 }
 
-Status PrecomputedLightsDevice::set_cells(const LightField& light_field) {
-  if (const Status same = check_same_luminaire(light_field.geometry(), geometry_); !same) return same;
+Status PrecomputedLightsDevice::take_cells(const LightField& light_field) {
   sampled_ = sampled_cells(light_field);
-  begin_anew(true);
   return {};
 }
 

@@ -9,10 +9,10 @@ class PrecomputedLightsDevice final : public SampledDevice {
  public:
   static Result<std::unique_ptr<PrecomputedLightsDevice>> create(const LuminaireGeometry& geometry,
                                                                  const MethodSettings& settings);
-  Status set_cells(const LightField& light_field) override;
 
  private:
   using SampledDevice::SampledDevice;
+  Status take_cells(const LightField& light_field) override;
   void set_arguments(DeviceKernel& kernel) override;
   Status make_points() override;
   Status check_receiver(const Receiver& receiver) const override;

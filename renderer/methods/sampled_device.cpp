@@ -4,9 +4,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "luminaire/dataset.h"
-#include "renderer/methods/host_method.h"
-
 namespace lumifield {
 
 namespace {
@@ -17,21 +14,8 @@ constexpr double first_samples = 1e5;
 
 }  // namespace
 
-Status check_same_luminaire(const LuminaireGeometry& cells, const LuminaireGeometry& method) {
-  if (const auto difference = first_difference(cells, method))
-    return fail("the cells are of another luminaire: its " + *difference, "method", "make the method for it");
-  return {};
-}
-
-Status check_finite(std::span<const Receiver> receivers) {
-  for (std::size_t k = 0; k < receivers.size(); ++k)
-    if (!receivers[k].p_mm.allFinite() || !receivers[k].n.allFinite())
-      return fail("has NaN or Inf", "receiver " + std::to_string(k), "give finite numbers");
-  return {};
-}
-
 SampledDevice::SampledDevice(const LuminaireGeometry& geometry, const MethodSettings& settings)
-    : geometry_(geometry), settings_(settings) {
+    : DeviceMethod(geometry, settings) {
   const Measurement& m = geometry.measurement;
   shared_.separation = geometry.planes.separation_mm;
   shared_.spacing_x = geometry.sampling.spacing_mm.x();
@@ -59,46 +43,13 @@ Status SampledDevice::open(std::string_view source, const std::string& function,
   return {};
 }
 
-Status SampledDevice::check_receiver(const Receiver&) const { return {}; }
-
-Status SampledDevice::set_receivers(std::span<const Receiver> receivers) {
-  if (receivers.size() > std::size_t(1) << 30) return fail("more than 2^30 receivers", "receivers", "render in parts");
-  if (const Status finite = check_finite(receivers); !finite) return finite;
+Status SampledDevice::take_receivers(std::span<const Receiver> receivers) {
   std::vector<SamplingReceiver> all;
   all.reserve(receivers.size());
-  for (std::size_t k = 0; k < receivers.size(); ++k) {
-    const Receiver& r = receivers[k];
-    const bool lit = r.p_mm.z() > 0 && r.n != Vec3(0, 0, 0);
-    if (lit)
-      if (Status good = check_receiver(r); !good) {
-        Error error = good.error();
-        error.where += " " + std::to_string(k);
-        return tl::unexpected(std::move(error));
-      }
-    all.push_back({r.p_mm.x(), r.p_mm.y(), r.p_mm.z(), r.n.x(), r.n.y(), r.n.z()});
-  }
-  count_ = 0;
-  begin_anew(false);
+  for (const Receiver& r : receivers) all.push_back({r.p_mm.x(), r.p_mm.y(), r.p_mm.z(), r.n.x(), r.n.y(), r.n.z()});
   if (Status written = upload(receivers_, all, "receivers"); !written) return written;
-  const std::vector<double> none(all.size() * geometry_.channels.size(), 0.0);
-  if (Status written = upload(sums_, none, "irradiance"); !written) return written;
-  count_ = all.size();
-  return {};
-}
-
-Status SampledDevice::set_samples(double samples, std::uint32_t seed) {
-  MethodSettings settings = settings_;
-  settings.samples = samples;
-  settings.seed = seed;
-  if (const Status good = check_settings(settings); !good) return good;
-  settings_ = settings;
-  begin_anew(true);
-  return {};
-}
-
-void SampledDevice::begin_anew(bool with_points) {
-  begun_ = false;
-  if (with_points) points_made_ = false;
+  const std::vector<double> none(all.size() * channels(), 0.0);
+  return upload(sums_, none, "irradiance");
 }
 
 Status SampledDevice::begin() {
@@ -109,47 +60,43 @@ Status SampledDevice::begin() {
   if (!points_made_)
     if (Status made = make_points(); !made) return made;
   points_made_ = true;
-  if (count_ > 0)
+  if (receivers() > 0)
     if (Status cleared = device_->zero(sums_); !cleared) return cleared;
   next_ = 0;
   kernel_s_ = 0;
-  begun_ = true;
   return {};
 }
 
-Result<bool> SampledDevice::evaluate(double seconds) {
-  if (!begun_)
-    if (const Status begins = begin(); !begins) return tl::unexpected(begins.error());
+/// As many as fit by the time that those before took.
+std::size_t SampledDevice::band(double seconds) const {
+  const auto all = static_cast<double>(receivers());
+  const double each_s = next_ > 0 ? kernel_s_ / static_cast<double>(next_) : 0;
+  const double fit = !std::isfinite(seconds) ? all : each_s > 0 ? seconds / each_s : first_samples / shared_.samples;
+  return static_cast<std::size_t>(std::max(std::min(fit, all), static_cast<double>(work_group)));
+}
+
+Result<bool> SampledDevice::go_on(double seconds) {
   set_arguments(kernel_);
   const auto start = std::chrono::steady_clock::now();
-  while (next_ < count_) {
-    // As many as fit into what is left by the time that those before took.
-    const double left = seconds - std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const double each_s = next_ > 0 ? kernel_s_ / static_cast<double>(next_) : 0;
-    const double fit = !std::isfinite(seconds) ? static_cast<double>(count_)
-                       : each_s > 0            ? left / each_s
-                                               : first_samples / shared_.samples;
-    const auto band =
-        static_cast<std::size_t>(std::max(std::min(fit, static_cast<double>(count_)), static_cast<double>(work_group)));
-    const std::size_t end = std::min(next_ + band, count_);
+  const auto left = [&] {
+    return seconds - std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  while (next_ < receivers()) {
+    const std::size_t end = std::min(next_ + band(left()), receivers());
     shared_.first_receiver = static_cast<int>(next_);
     shared_.receivers = static_cast<int>(end);
     kernel_.set(0, shared_);
     const auto took = device_->run(kernel_, end - next_, work_group);
-    if (!took) {
-      begun_ = false;
-      return tl::unexpected(took.error());
-    }
+    if (!took) return tl::unexpected(took.error());
     kernel_s_ += *took;
     next_ = end;
-    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >= seconds) break;
+    if (!(left() > 0)) break;
   }
-  return next_ == count_;
+  return next_ == receivers();
 }
 
-Status SampledDevice::read(std::vector<double>& irradiance) {
-  irradiance.resize(count_ * geometry_.channels.size());
-  return device_->read(sums_, std::as_writable_bytes(std::span(irradiance)));
+Status SampledDevice::read_computed(std::span<double> irradiance) {
+  return device_->read(sums_, std::as_writable_bytes(irradiance));
 }
 
 }  // namespace lumifield
