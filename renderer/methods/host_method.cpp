@@ -29,30 +29,33 @@ LightField absolute(const LightField& light_field) {
 }
 
 /// The closed form in the methods' role; the reference is that without a level of detail.
-class ClosedFormOnHost final : public HostMethod {
+class ClosedFormMethod final : public HostMethod {
  public:
-  ClosedFormOnHost(const LightField& light_field, double lod) : light_field_(light_field), form_(light_field, lod) {}
-
-  Result<std::vector<double>> irradiance(const Receiver& receiver, std::uint32_t) const override {
-    return form_.irradiance(receiver);
+  ClosedFormMethod(const LightField& light_field, double lod) : light_field_(light_field), exact_(light_field) {
+    if (lod > 0) coarse_ = std::make_unique<ClosedForm>(light_field, lod);
   }
 
-  /// Rounding, and the bound of the level of detail.
+  Result<std::vector<double>> irradiance(const Receiver& receiver, std::uint32_t) const override {
+    return (coarse_ ? *coarse_ : exact_).irradiance(receiver);
+  }
+
+  /// Rounding, and of a level of detail what it differs from the exact sum.
   Result<Estimate> estimate(const Receiver& receiver, std::uint32_t) const override {
     constexpr double rounding = 1e-10;
     std::call_once(once_, [this] { magnitude_ = std::make_unique<ClosedForm>(absolute(light_field_)); });
-    Estimate result{form_.irradiance(receiver), magnitude_->irradiance(receiver)};
-    const std::vector<double> bound = form_.detail_error_bound(receiver);
-    for (std::size_t c = 0; c < bound.size(); ++c)
-      result.stated_error[c] = rounding * result.stated_error[c] + bound[c];
+    const std::vector<double> exact = exact_.irradiance(receiver);
+    Estimate result{coarse_ ? coarse_->irradiance(receiver) : exact, magnitude_->irradiance(receiver)};
+    for (std::size_t c = 0; c < exact.size(); ++c)
+      result.stated_error[c] = rounding * result.stated_error[c] + std::abs(result.irradiance[c] - exact[c]);
     return result;
   }
 
  private:
   LightField light_field_;
-  ClosedForm form_;
+  ClosedForm exact_;
   mutable std::once_flag once_;
   mutable std::unique_ptr<ClosedForm> magnitude_;  ///< of |C|, made when an error is first asked for
+  std::unique_ptr<ClosedForm> coarse_;
 };
 
 }  // namespace
@@ -67,9 +70,13 @@ Status check_settings(const MethodSettings& s) {
   if (!(s.lod >= 0 && std::isfinite(s.lod)))
     return fail("is negative or not finite", "level of detail", "give the pixels per support, or 0 for all");
   if (s.depth < 1) return fail("is less than 1", "depth of the search", "give more");
-  const bool importance = s.method == Method::position_dependent || s.method == Method::position_dependent_printed;
-  if (!importance && s.k_max > 0)
-    return fail("is heeded by the position-dependent methods alone", "k_max", "give 0, or take one of these");
+  // Of a method that has no use for them they are refused, not ignored.
+  if (s.method == Method::position_dependent || s.method == Method::position_dependent_printed) return {};
+  const std::string has_none = std::string(to_string(s.method)) + " has none";
+  const std::string remedy = "leave it as it is, or use position-dependent";
+  if (s.k_max > 0) return fail(has_none + ": its cells get no samples by their light", "k_max", remedy);
+  if (s.inversion != Inversion::secant) return fail(has_none + ": it searches no cdf", "inversion", remedy);
+  if (s.depth != whole_depth) return fail(has_none + ": it searches no cdf", "depth of the search", remedy);
   return {};
 }
 
@@ -77,9 +84,9 @@ Result<std::unique_ptr<HostMethod>> make_host_method(const LightField& light_fie
   if (const Status good = check_settings(settings); !good) return tl::unexpected(good.error());
   switch (settings.method) {
     case Method::closed_form:
-      return std::make_unique<ClosedFormOnHost>(light_field, settings.lod);
+      return std::make_unique<ClosedFormMethod>(light_field, settings.lod);
     case Method::reference:
-      return std::make_unique<ClosedFormOnHost>(light_field, 0);
+      return std::make_unique<ClosedFormMethod>(light_field, 0);
     case Method::position_dependent:
       return std::make_unique<PositionDependent>(light_field, settings);
     case Method::position_dependent_printed:

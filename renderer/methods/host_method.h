@@ -33,7 +33,8 @@ class HostMethod {
 /// Errors: settings outside their range, a luminaire that the method cannot take (cell named).
 Result<std::unique_ptr<HostMethod>> make_host_method(const LightField& light_field, const MethodSettings& settings);
 
-/// Refuses what no method takes: fewer than one sample, more than most_samples or most_lights, NaN.
+/// Refuses what no method takes: fewer than one sample, more than most_samples or most_lights, NaN; and a bound of the
+/// samples of a cell, an inversion or a depth for a method that has none.
 Status check_settings(const MethodSettings& settings);
 
 }  // namespace lumifield

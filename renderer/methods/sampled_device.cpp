@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "renderer/methods/host_method.h"
+
 namespace lumifield {
 
 namespace {
@@ -29,6 +31,11 @@ SampledDevice::SampledDevice(const LuminaireGeometry& geometry, const MethodSett
 }
 
 Status SampledDevice::open(std::string_view source, const std::string& function, const std::string& defines) {
+  if (const Status good = check_settings(settings_); !good) return good;
+  if (settings_.inversion != Inversion::secant)
+    return fail("the kernels search by the modified secant alone", "inversion", "use the host's form");
+  if (settings_.depth != whole_depth)
+    return fail("the kernels search to the end", "depth of the search", "use the host's form");
   if (geometry_.channels.size() != 1 && geometry_.channels.size() != 3)
     return fail("a luminaire of " + std::to_string(geometry_.channels.size()) + " channels cannot be rendered",
                 "channels", "give it the channel Y, or R, G, B");

@@ -1,4 +1,4 @@
-// What every method says when it is asked out of turn.
+// What every method says when it is asked out of turn, and of settings that it has no use for.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <new>
@@ -140,6 +140,25 @@ TEST_P(DeviceMethodState, IsEvaluatedInPieces) {
   while (!method->evaluate(0).value()) continue;
   const std::vector<double> pieces = read(*method);
   for (std::size_t k = 0; k < whole.size(); ++k) EXPECT_NEAR(pieces[k], whole[k], 1e-12 * std::abs(whole[k]));
+}
+
+TEST_P(DeviceMethodState, SettingsThatAKernelHasNoUseForAreRefused) {
+  const MethodSettings usual{.method = GetParam()};
+  EXPECT_TRUE(make_device_method(field_.geometry(), usual));
+  const auto refused_at = [&](const MethodSettings& settings) {
+    const auto made = make_device_method(field_.geometry(), settings);
+    return made ? std::string("not refused") : made.error().where;
+  };
+  MethodSettings settings = usual;
+  settings.inversion = Inversion::bisection;
+  EXPECT_EQ(refused_at(settings), "inversion");
+  settings = usual;
+  settings.depth = 3;
+  EXPECT_EQ(refused_at(settings), "depth of the search");
+  settings = usual;
+  settings.k_max = 7;
+  const bool shares_out = GetParam() == Method::position_dependent || GetParam() == Method::position_dependent_printed;
+  EXPECT_EQ(refused_at(settings), shares_out ? "not refused" : "k_max");
 }
 
 /// Throws from some receiver on, as a form does that is out of memory.
