@@ -29,33 +29,30 @@ LightField absolute(const LightField& light_field) {
 }
 
 /// The closed form in the methods' role; the reference is that without a level of detail.
-class ClosedFormMethod final : public HostMethod {
+class ClosedFormOnHost final : public HostMethod {
  public:
-  ClosedFormMethod(const LightField& light_field, double lod) : light_field_(light_field), exact_(light_field) {
-    if (lod > 0) coarse_ = std::make_unique<ClosedForm>(light_field, lod);
-  }
+  ClosedFormOnHost(const LightField& light_field, double lod) : light_field_(light_field), form_(light_field, lod) {}
 
   Result<std::vector<double>> irradiance(const Receiver& receiver, std::uint32_t) const override {
-    return (coarse_ ? *coarse_ : exact_).irradiance(receiver);
+    return form_.irradiance(receiver);
   }
 
-  /// Rounding, and of a level of detail what it differs from the exact sum.
+  /// Rounding, and the bound of the level of detail.
   Result<Estimate> estimate(const Receiver& receiver, std::uint32_t) const override {
     constexpr double rounding = 1e-10;
     std::call_once(once_, [this] { magnitude_ = std::make_unique<ClosedForm>(absolute(light_field_)); });
-    const std::vector<double> exact = exact_.irradiance(receiver);
-    Estimate result{coarse_ ? coarse_->irradiance(receiver) : exact, magnitude_->irradiance(receiver)};
-    for (std::size_t c = 0; c < exact.size(); ++c)
-      result.stated_error[c] = rounding * result.stated_error[c] + std::abs(result.irradiance[c] - exact[c]);
+    Estimate result{form_.irradiance(receiver), magnitude_->irradiance(receiver)};
+    const std::vector<double> bound = form_.detail_error_bound(receiver);
+    for (std::size_t c = 0; c < bound.size(); ++c)
+      result.stated_error[c] = rounding * result.stated_error[c] + bound[c];
     return result;
   }
 
  private:
   LightField light_field_;
-  ClosedForm exact_;
+  ClosedForm form_;
   mutable std::once_flag once_;
   mutable std::unique_ptr<ClosedForm> magnitude_;  ///< of |C|, made when an error is first asked for
-  std::unique_ptr<ClosedForm> coarse_;
 };
 
 }  // namespace
@@ -84,9 +81,9 @@ Result<std::unique_ptr<HostMethod>> make_host_method(const LightField& light_fie
   if (const Status good = check_settings(settings); !good) return tl::unexpected(good.error());
   switch (settings.method) {
     case Method::closed_form:
-      return std::make_unique<ClosedFormMethod>(light_field, settings.lod);
+      return std::make_unique<ClosedFormOnHost>(light_field, settings.lod);
     case Method::reference:
-      return std::make_unique<ClosedFormMethod>(light_field, 0);
+      return std::make_unique<ClosedFormOnHost>(light_field, 0);
     case Method::position_dependent:
       return std::make_unique<PositionDependent>(light_field, settings);
     case Method::position_dependent_printed:

@@ -202,5 +202,22 @@ TEST(ClosedFormDevice, WithoutReceiversThereIsNothingToDo) {
   EXPECT_TRUE(sums_of(**device).empty());
 }
 
+TEST_P(ClosedFormDeviceSums, TheLightStaysHoweverNearAReceiverIsToTheFilter) {
+  const ClosedForm host(*field_);
+  std::vector<Receiver> near;
+  for (const double z : {1e-7, 1e-9, 1e-12, 1e-20, 1e-40, 1e-103, 1e-200, 4.9e-324})
+    near.push_back({{1, -2, z}, {0, 0.6, -0.8}});
+  const Cells cells = cells_of(*field_);
+  ASSERT_TRUE(device_->set_receivers(near));
+  ASSERT_TRUE(device_->add_cells(cells.indices, cells.images));
+  const std::vector<double> sums = sums_of(*device_), expected = host.irradiance(near[0]);
+  for (std::size_t k = 0; k < near.size(); ++k)
+    for (std::size_t c = 0; c < expected.size(); ++c) {
+      EXPECT_GT(std::abs(expected[c]), 0);
+      EXPECT_NEAR(host.irradiance(near[k])[c], expected[c], 1e-6 * std::abs(expected[c])) << k;
+      EXPECT_NEAR(sums[k * expected.size() + c], expected[c], 1e-5 * std::abs(expected[c])) << k;
+    }
+}
+
 }  // namespace
 }  // namespace lumifield
