@@ -1,0 +1,72 @@
+// Receivers so near S that a support spans small parts of a pixel: the kernels against their host forms, where
+// positions in float have no digits left.
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "renderer/methods/device_method.h"
+#include "renderer/methods/host_method.h"
+#include "renderer/methods/position_dependent_printed.h"
+#include "renderer/renderer.h"
+
+namespace lumifield {
+namespace {
+
+/// One cell of one row of pixels, each light, or the one at `lit` alone, far from the image's corner
+/// and the frame's origin.
+LightField row_of_pixels(double pixel_x_mm, double pixel_y_mm, int width_px, int lit) {
+  LuminaireGeometry g;
+  g.planes.separation_mm = 60;
+  g.sampling = {BasisKind::bell, {16, 16}, 1, 1, {123.4, 0}};
+  g.measurement = {width_px, 1, {pixel_x_mm, pixel_y_mm}, {0, 0}};
+  g.measurement.center_mm.x() = 123.4 + (width_px / 2.0 - lit - 0.5) * pixel_x_mm;
+  g.channels = {"Y"};
+  LightField field(g);
+  std::vector<float> value(static_cast<std::size_t>(width_px), 0.0F);
+  value[static_cast<std::size_t>(lit)] = 1;
+  EXPECT_TRUE(field.add({0, 0}, CellImage{width_px, 1, 1, std::move(value), {}, {}}));
+  return field;
+}
+
+/// Where a support spans this many pixels along x, before the middle of the lit pixel.
+Receiver at_span(const LightField& field, double span_px, double x_px) {
+  const LuminaireGeometry& g = field.geometry();
+  const double r = span_px * g.measurement.pixel_mm.x() / (2 * g.sampling.spacing_mm.x());
+  const double z = g.planes.separation_mm / (1 - r);
+  return {{123.4 + x_px * g.measurement.pixel_mm.x(), 0, z}, {0, 0, -1}};
+}
+
+/// RMS of the difference over the RMS of the host's.
+double apart(const LightField& field, const MethodSettings& settings, const std::vector<Receiver>& at) {
+  const auto host = make_host_method(field, settings).value();
+  const auto device = make_device_method(field.geometry(), settings).value();
+  EXPECT_TRUE(device->set_cells(field));
+  EXPECT_TRUE(device->set_receivers(at));
+  EXPECT_TRUE(device->evaluate(HUGE_VAL).value());
+  std::vector<double> got;
+  EXPECT_TRUE(device->read(got));
+  double squares = 0, all = 0;
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    const double wanted = host->irradiance(at[k], static_cast<std::uint32_t>(k)).value()[0];
+    EXPECT_GT(wanted, 0) << "receiver " << k << " is lit";
+    squares += std::pow(got[k] - wanted, 2);
+    all += wanted * wanted;
+  }
+  return std::sqrt(squares / all);
+}
+
+class NearS : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (const auto found = probe_opencl(); !found) GTEST_SKIP() << found.error().message();
+  }
+};
+
+TEST_F(NearS, ThePrintedMethodHasItsDigitsAtItsLimit) {
+  const LightField field = row_of_pixels(1, 1, 300, 250);
+  std::vector<Receiver> at;
+  for (int k = 0; k < 20; ++k) at.push_back(at_span(field, 1.001 * printed_least_span_px, 0.03 * k - 0.3));
+  EXPECT_LT(apart(field, {.method = Method::position_dependent_printed, .samples = 50}, at), 1e-5);
+}
+
+}  // namespace
+}  // namespace lumifield
