@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+
+#include "renderer/methods/table_memory.h"
 
 namespace lumifield {
 
@@ -55,21 +58,49 @@ constexpr int parts = 64;
 
 }  // namespace
 
-FarFieldTable::FarFieldTable(const LightField& light_field)
-    : geometry_(light_field.geometry()), basis_(geometry_.sampling.basis) {
+FarFieldTable::FarFieldTable(const LuminaireGeometry& geometry)
+    : geometry_(geometry), basis_(geometry.sampling.basis) {}
+
+Result<FarFieldTable> FarFieldTable::create(const LightField& light_field, const MethodSettings& settings) {
   // All q at which a support shows a pixel.
-  const Sampling& s = geometry_.sampling;
-  const Measurement& m = geometry_.measurement;
-  const Vec2 half = basis_.half_support() * s.spacing_mm;
+  FarFieldTable table(light_field.geometry());
+  const Sampling& s = table.geometry_.sampling;
+  const Measurement& m = table.geometry_.measurement;
+  const Vec2 half = table.basis_.half_support() * s.spacing_mm;
   const Vec2 low = s.cell_center_mm({0, 0}) - half, high = s.cell_center_mm({s.rows - 1, s.columns - 1}) + half;
-  first_q_mm_ = m.corner_mm() - high - m.pixel_mm;
+  table.first_q_mm_ = m.corner_mm() - high - m.pixel_mm;
   const Vec2 last = m.corner_mm() + Vec2(m.width_px, m.height_px).cwiseProduct(m.pixel_mm) - low + m.pixel_mm;
-  const Vec2 size = (last - first_q_mm_).cwiseQuotient(m.pixel_mm);
-  width_ = static_cast<int>(std::ceil(size.x())) + 1;
-  height_ = static_cast<int>(std::ceil(size.y())) + 1;
-  values_.assign(geometry_.channels.size() * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0.0);
+  const Vec2 size = (last - table.first_q_mm_).cwiseQuotient(m.pixel_mm).array().ceil() + 1;
+  if (const Status fits = table.check(size, light_field.coverage().measured, settings); !fits)
+    return tl::unexpected(fits.error());
+
+  table.width_ = static_cast<int>(size.x());
+  table.height_ = static_cast<int>(size.y());
+  table.values_.assign(table.geometry_.channels.size() * static_cast<std::size_t>(size.prod()), 0.0);
   for (int flat = 0; flat < s.cells(); ++flat)
-    if (const auto image = light_field.cell(s.index(flat))) add(*image, s.cell_center_mm(s.index(flat)));
+    if (const auto image = light_field.cell(s.index(flat))) table.add(*image, s.cell_center_mm(s.index(flat)));
+  return table;
+}
+
+Status FarFieldTable::check(const Vec2& size, int cells, const MethodSettings& settings) const {
+  constexpr const char* where = "far-field";
+  constexpr const char* remedy = "use closed-form, larger pixels or a smaller grid";
+  const Measurement& m = geometry_.measurement;
+  const auto channels = static_cast<double>(geometry_.channels.size());
+  // The values, as float too for a device, and the rows of one image.
+  const double entries = channels * size.prod();
+  if (!(entries < 0x1p31)) return fail("its table would have more than 2^31 entries", where, remedy);
+  const double bytes = entries * (sizeof(double) + sizeof(float)) + size.x() * m.height_px * sizeof(double);
+  if (const Status fits = check_table_memory(settings, bytes, host_memory_bytes()); !fits) return fits;
+  // Each pixel of an image, and of its rows, counts at as many points as a support spans; each point is visited.
+  const Vec2 taps = 2 * basis_.half_support() * geometry_.sampling.spacing_mm.cwiseQuotient(m.pixel_mm) + Vec2(2, 2);
+  const double rows = m.height_px * (m.width_px * std::min(taps.x(), size.x()) + size.x());
+  const double columns = m.height_px * std::min(taps.y(), size.y()) * size.x() + size.y();
+  const double work = cells * channels * (rows + columns);
+  if (work <= most_work) return {};
+  char text[96];
+  std::snprintf(text, sizeof text, "its table takes %.2g multiply-adds, more than %.0g", work, most_work);
+  return fail(text, where, remedy);
 }
 
 /// Rows, then columns: the support is a product.
@@ -129,8 +160,14 @@ double FarFieldTable::interpolation_error(int channel, const Vec2& q_mm) const {
   return worst / 4;
 }
 
-FarField::FarField(const LightField& light_field, const MethodSettings&)
-    : light_field_(light_field), basis_(light_field.geometry().sampling.basis), table_(light_field) {}
+FarField::FarField(const LightField& light_field, FarFieldTable table)
+    : light_field_(light_field), basis_(light_field.geometry().sampling.basis), table_(std::move(table)) {}
+
+Result<std::unique_ptr<FarField>> FarField::create(const LightField& light_field, const MethodSettings& settings) {
+  auto table = FarFieldTable::create(light_field, settings);
+  if (!table) return tl::unexpected(table.error());
+  return std::unique_ptr<FarField>(new FarField(light_field, std::move(*table)));
+}
 
 Result<std::vector<double>> FarField::irradiance(const Receiver& receiver, std::uint32_t) const {
   const LuminaireGeometry& g = light_field_.geometry();

@@ -14,7 +14,11 @@ namespace lumifield {
 /// Exact at the table's points, one pixel of S apart; bilinear between. Value type, immutable.
 class FarFieldTable {
  public:
-  explicit FarFieldTable(const LightField& light_field);
+  /// Multiply-adds that a table is made with at most, about a minute on one core.
+  static constexpr double most_work = 1e11;
+
+  /// Errors, before memory or time is taken: more than most_work, more memory than the settings allow or 2^31 entries.
+  static Result<FarFieldTable> create(const LightField& light_field, const MethodSettings& settings);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -27,6 +31,9 @@ class FarFieldTable {
   double interpolation_error(int channel, const Vec2& q_mm) const;
 
  private:
+  explicit FarFieldTable(const LuminaireGeometry& geometry);
+  /// Of one more than ⌈size⌉, so that numbers too large for int are refused first.
+  Status check(const Vec2& size, int cells, const MethodSettings& settings) const;
   void add(const CellImage& image, const Vec2& u_m);
 
   LuminaireGeometry geometry_;
@@ -44,12 +51,15 @@ class FarFieldTable {
 /// between the ray taken and the true ones, and from the table's step.
 class FarField final : public HostMethod {
  public:
-  FarField(const LightField& light_field, const MethodSettings& settings);
+  /// Errors: those of the table.
+  static Result<std::unique_ptr<FarField>> create(const LightField& light_field, const MethodSettings& settings);
 
   Result<std::vector<double>> irradiance(const Receiver& receiver, std::uint32_t number) const override;
   Result<Estimate> estimate(const Receiver& receiver, std::uint32_t number) const override;
 
  private:
+  FarField(const LightField& light_field, FarFieldTable table);
+
   LightField light_field_;
   Basis basis_;
   FarFieldTable table_;

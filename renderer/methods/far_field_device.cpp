@@ -14,13 +14,17 @@ Result<std::unique_ptr<FarFieldDevice>> FarFieldDevice::create(const LuminaireGe
 }
 
 Status FarFieldDevice::take_cells(const LightField& light_field) {
-  const FarFieldTable table(light_field);
+  const auto made = FarFieldTable::create(light_field, settings_);
+  if (!made) return tl::unexpected(made.error());
+  const FarFieldTable& table = *made;
+  const std::vector<float> values(table.values().begin(), table.values().end());
+  if (Status done = upload(table_, values, "the far field"); !done) return done;
   shared_.width = table.width();
   shared_.height = table.height();
   shared_.plane = table.width() * table.height();
   shared_.corner_x = table.first_q_mm().x();
   shared_.corner_y = table.first_q_mm().y();
-  return upload(table_, std::vector<float>(table.values().begin(), table.values().end()), "the far field");
+  return {};
 }
 
 void FarFieldDevice::set_arguments(DeviceKernel& kernel) {

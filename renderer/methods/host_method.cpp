@@ -7,6 +7,7 @@
 #include "renderer/methods/position_dependent.h"
 #include "renderer/methods/position_dependent_printed.h"
 #include "renderer/methods/precomputed_lights.h"
+#include "renderer/methods/table_memory.h"
 #include "renderer/methods/uniform_box.h"
 
 namespace lumifield {
@@ -67,6 +68,8 @@ Status check_settings(const MethodSettings& s) {
   if (!(s.lod >= 0 && std::isfinite(s.lod)))
     return fail("is negative or not finite", "level of detail", "give the pixels per support, or 0 for all");
   if (s.depth < 1) return fail("is less than 1", "depth of the search", "give more");
+  if (!(s.memory_bytes >= 0))
+    return fail("is negative or NaN", "memory for tables", "give 0 for half of what there is");
   // Of a method that has no use for them they are refused, not ignored.
   if (s.method == Method::position_dependent || s.method == Method::position_dependent_printed) return {};
   const std::string has_none = std::string(to_string(s.method)) + " has none";
@@ -79,6 +82,9 @@ Status check_settings(const MethodSettings& s) {
 
 Result<std::unique_ptr<HostMethod>> make_host_method(const LightField& light_field, const MethodSettings& settings) {
   if (const Status good = check_settings(settings); !good) return tl::unexpected(good.error());
+  const double bytes = host_table_bytes(light_field.geometry(), settings, light_field.coverage().measured);
+  if (const Status fits = check_table_memory(settings, bytes, host_memory_bytes()); !fits)
+    return tl::unexpected(fits.error());
   switch (settings.method) {
     case Method::closed_form:
       return std::make_unique<ClosedFormOnHost>(light_field, settings.lod);
@@ -93,7 +99,7 @@ Result<std::unique_ptr<HostMethod>> make_host_method(const LightField& light_fie
     case Method::precomputed_lights:
       return std::make_unique<PrecomputedLights>(light_field, settings);
     case Method::far_field:
-      return std::make_unique<FarField>(light_field, settings);
+      return FarField::create(light_field, settings);
   }
   return fail("is none that there is", "method", "choose another");
 }

@@ -30,7 +30,8 @@ class HostMethod {
   virtual Result<Estimate> estimate(const Receiver& receiver, std::uint32_t number) const = 0;
 };
 
-/// Errors: settings outside their range, a luminaire that the method cannot take (cell named).
+/// Errors: settings outside their range, a luminaire that the method cannot take (cell named), tables that take more
+/// memory than they may.
 Result<std::unique_ptr<HostMethod>> make_host_method(const LightField& light_field, const MethodSettings& settings);
 
 /// Refuses what no method takes: fewer than one sample, more than most_samples or most_lights, NaN; and a bound of the

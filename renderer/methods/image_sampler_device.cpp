@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "renderer/methods/position_dependent_printed.h"
-#include "renderer/methods/receiver_view.h"
+#include "renderer/methods/table_memory.h"
 
 namespace lumifield {
 
@@ -46,76 +46,88 @@ Result<std::unique_ptr<ImageSamplerDevice>> ImageSamplerDevice::create(const Lum
   return made;
 }
 
+/// One buffer each; the tables are of no use to uniform samples.
+Status ImageSamplerDevice::make_room(std::size_t cells) {
+  struct Part {
+    DeviceBuffer* buffer;
+    std::size_t cell_bytes;
+    const char* purpose;
+  };
+  const auto bytes = [](int numbers, std::size_t size) { return static_cast<std::size_t>(numbers) * size; };
+  std::vector<Part> parts{{&images_, bytes(shared_.plane, channels() * sizeof(float)), "images"}};
+  if (settings_.method != Method::uniform_box) {
+    parts.push_back({&tables_, bytes(shared_.table, sizeof(double)), "summed-area tables"});
+    parts.push_back({&columns_, bytes(shared_.columns, sizeof(double)), "column sums"});
+  }
+  if (settings_.method == Method::position_dependent_printed)
+    parts.push_back({&marginals_, bytes(shared_.stride, sizeof(double)), "marginals"});
+
+  double all = 0;
+  for (const Part& part : parts) all += static_cast<double>(part.cell_bytes) * static_cast<double>(cells);
+  if (const Status fits = check_table_memory(settings_, all, static_cast<double>(device_->memory_bytes())); !fits)
+    return fits;
+  for (const Part& part : parts) {
+    if (part.buffer->bytes() >= cells * part.cell_bytes && part.buffer->bytes() > 0) continue;
+    *part.buffer = {};
+    auto room = device_->allocate(cells * part.cell_bytes, part.purpose);
+    if (!room) return tl::unexpected(room.error());
+    *part.buffer = *room;
+  }
+  return {};
+}
+
 Status ImageSamplerDevice::take_cells(const LightField& light_field) {
   const bool printed = settings_.method == Method::position_dependent_printed;
   if (printed)
     if (const Status good = check_printed_luminaire(light_field); !good) return good;
-
-  // One buffer each; the tables are of no use to uniform samples.
-  const auto count = static_cast<std::size_t>(light_field.coverage().measured);
-  const bool tabled = settings_.method != Method::uniform_box;
-  struct Part {
-    DeviceBuffer* buffer;
-    std::size_t bytes;
-    const char* purpose;
-  };
-  const std::size_t plane = static_cast<std::size_t>(shared_.plane) * geometry_.channels.size();
-  for (const Part& part :
-       {Part{&images_, count * plane * sizeof(float), "images"},
-        Part{&tables_, count * tabled * static_cast<std::size_t>(shared_.table) * sizeof(double), "summed-area tables"},
-        Part{&columns_, count * tabled * static_cast<std::size_t>(shared_.columns) * sizeof(double), "column sums"},
-        Part{&marginals_, count * printed * static_cast<std::size_t>(shared_.stride) * sizeof(double), "marginals"}}) {
-    if (part.buffer->bytes() >= part.bytes && part.buffer->bytes() > 0) continue;
-    *part.buffer = {};
-    auto room = device_->allocate(part.bytes, part.purpose);
-    if (!room) return tl::unexpected(room.error());
-    *part.buffer = *room;
-  }
-
+  const std::vector<MeasuredCell> cells = measured_cells(light_field);
+  if (const Status room = make_room(cells.size()); !room) return room;
   numbers_.clear();
-  for (int flat = 0; flat < geometry_.sampling.cells(); ++flat) {
-    const auto cell = sampled_cell(light_field, flat, printed ? luminance_image : importance_image);
-    if (!cell) continue;
-    if (Status done = upload_cell(numbers_.size(), *cell); !done) return done;
-    numbers_.push_back(flat);
+  for (const MeasuredCell& cell : cells) {
+    const std::size_t m = numbers_.size();
+    if (Status done = upload_image(m, *cell.image); !done) return done;
+    if (settings_.method != Method::uniform_box)
+      if (Status done = upload_tables(m, summed_area_table(cell, printed ? luminance_image : importance_image)); !done)
+        return done;
+    numbers_.push_back(static_cast<int>(cell.number));
   }
   shared_.cells = static_cast<int>(numbers_.size());
   return {};
 }
 
-Status ImageSamplerDevice::upload_cell(std::size_t m, const SampledCell& cell) {
+Status ImageSamplerDevice::upload_image(std::size_t m, const CellImage& cell) {
+  const auto width = static_cast<std::size_t>(shared_.width), height = static_cast<std::size_t>(shared_.height);
+  const auto stride = static_cast<std::size_t>(shared_.stride), plane = static_cast<std::size_t>(shared_.plane);
+  std::vector<float> image(plane * channels(), 0.0F);
+  for (std::size_t c = 0; c < channels(); ++c)
+    for (std::size_t j = 0; j < height; ++j)
+      std::copy_n(cell.channel(static_cast<int>(c)) + j * width, width, image.data() + c * plane + j * stride);
+  return device_->write(images_, m * image.size() * sizeof(float), std::as_bytes(std::span(image)));
+}
+
+Status ImageSamplerDevice::upload_tables(std::size_t m, const SummedAreaTable& importance) {
   const auto width = static_cast<std::size_t>(shared_.width), height = static_cast<std::size_t>(shared_.height);
   const auto stride = static_cast<std::size_t>(shared_.stride);
-  const auto channels = geometry_.channels.size();
-  std::vector<float> image(static_cast<std::size_t>(shared_.plane) * channels, 0.0F);
-  for (std::size_t c = 0; c < channels; ++c)
-    for (std::size_t j = 0; j < height; ++j)
-      std::copy_n(cell.image->channel(static_cast<int>(c)) + j * width, width,
-                  image.data() + c * static_cast<std::size_t>(shared_.plane) + j * stride);
-  if (Status done = device_->write(images_, m * image.size() * sizeof(float), std::as_bytes(std::span(image))); !done)
-    return done;
-  if (settings_.method == Method::uniform_box) return {};
-
+  const auto write = [&](const DeviceBuffer& buffer, const std::vector<double>& values) {
+    return device_->write(buffer, m * values.size() * sizeof(double), std::as_bytes(std::span(values)));
+  };
   std::vector<double> table(static_cast<std::size_t>(shared_.table), 0.0);
   for (std::size_t j = 0; j <= height; ++j)
     for (std::size_t i = 0; i <= width; ++i)
-      table[j * stride + i] = cell.importance.corner(static_cast<int>(i), static_cast<int>(j));
-  if (Status done = device_->write(tables_, m * table.size() * sizeof(double), std::as_bytes(std::span(table))); !done)
-    return done;
+      table[j * stride + i] = importance.corner(static_cast<int>(i), static_cast<int>(j));
+  if (Status done = write(tables_, table); !done) return done;
 
   const auto column_stride = static_cast<std::size_t>(shared_.column_stride);
   std::vector<double> columns(static_cast<std::size_t>(shared_.columns), 0.0), marginal(stride, 0.0);
   for (std::size_t i = 0; i < width; ++i) {
     double* sum = columns.data() + i * column_stride;
     for (std::size_t j = 0; j < height; ++j)
-      sum[j + 1] = sum[j] + cell.importance.value(static_cast<int>(i), static_cast<int>(j));
+      sum[j + 1] = sum[j] + importance.value(static_cast<int>(i), static_cast<int>(j));
     marginal[i + 1] = marginal[i] + sum[height];
   }
-  if (Status done = device_->write(columns_, m * columns.size() * sizeof(double), std::as_bytes(std::span(columns)));
-      !done)
-    return done;
+  if (Status done = write(columns_, columns); !done) return done;
   if (settings_.method != Method::position_dependent_printed) return {};
-  return device_->write(marginals_, m * marginal.size() * sizeof(double), std::as_bytes(std::span(marginal)));
+  return write(marginals_, marginal);
 }
 
 /// The sequence, and each cell's rotation of it; as printed, one for all.

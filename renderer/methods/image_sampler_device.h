@@ -23,7 +23,10 @@ class ImageSamplerDevice final : public SampledDevice {
   void set_arguments(DeviceKernel& kernel) override;
   Status make_points() override;
   Status check_receiver(const Receiver& receiver) const override;
-  Status upload_cell(std::size_t m, const SampledCell& cell);
+  /// Of all cells together, bounded before any is taken.
+  Status make_room(std::size_t cells);
+  Status upload_image(std::size_t m, const CellImage& cell);
+  Status upload_tables(std::size_t m, const SummedAreaTable& importance);
 
   DeviceBuffer cells_, images_, tables_, columns_, marginals_, points_;
   std::vector<int> numbers_;  ///< of the cells in the grid

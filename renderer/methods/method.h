@@ -50,6 +50,7 @@ struct MethodSettings {
   PointSequence sequence = PointSequence::halton;
   Inversion inversion = Inversion::secant;  ///< in a cdf; another, or a depth, is of the host forms alone
   int depth = whole_depth;                  ///< of the search
+  double memory_bytes = 0;                  ///< that tables may take on the host, or the device; 0: half of what it has
 };
 
 }  // namespace lumifield

@@ -107,15 +107,12 @@ Result<Estimate> PositionDependent::estimate(const Receiver& receiver, std::uint
   for (std::size_t m = 0; m < cells_.size(); ++m) {
     if (!(share.kappa[m] > 0)) continue;
     const SampledCell& cell = cells_[m];
-    over_seen_pixels(view, cell.u_mm, [&](int i, int j, const Vec2& tau, double area) {
-      const double importance = cell.importance.value(i, j), weight = view.weight(cell.u_mm, tau);
-      if (!(importance > 0)) return;
-      const double density = share.on_u ? 1 / support : importance / share.a[m];
-      for (std::size_t c = 0; c < result.stated_error.size(); ++c) {
-        const double value_c = weight * cell.image->at(static_cast<int>(c), i, j);
-        result.stated_error[c] += area * value_c * value_c / density / share.kappa[m];
-      }
-    });
+    const auto scale = [&](int i, int j) {
+      const double importance = cell.importance.value(i, j);
+      if (!(importance > 0)) return 0.0;
+      return (share.on_u ? support : share.a[m] / importance) / share.kappa[m];
+    };
+    add_variance(view, cell, scale, result.stated_error);
   }
   for (double& each : result.stated_error) each = std::sqrt(each);
   return result;

@@ -12,34 +12,47 @@ namespace lumifield {
 
 namespace {
 
-double total_importance(const std::vector<SampledCell>& cells) {
-  return std::accumulate(cells.begin(), cells.end(), 0.0,
-                         [](double sum, const SampledCell& cell) { return sum + cell.importance.total(); });
+/// T_m, row by row.
+double importance_of(const CellImage& image) {
+  double total = 0;
+  for (int j = 0; j < image.height_px; ++j) {
+    double row = 0;
+    for (int i = 0; i < image.width_px; ++i) row += importance_at(image, i, j);
+    total += row;
+  }
+  return total;
 }
+
+std::vector<double> importances_of(std::span<const MeasuredCell> cells) {
+  std::vector<double> totals;
+  for (const MeasuredCell& cell : cells) totals.push_back(importance_of(*cell.image));
+  return totals;
+}
+
+double sum_of(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
 }  // namespace
 
-std::vector<PrecomputedLight> precompute_lights(const std::vector<SampledCell>& cells, const MethodSettings& settings) {
-  std::vector<double> totals;
-  for (const SampledCell& cell : cells) totals.push_back(cell.importance.total());
+std::vector<PrecomputedLight> precompute_lights(std::span<const MeasuredCell> cells, const MethodSettings& settings) {
+  const std::vector<double> totals = importances_of(cells);
   const std::vector<int> counts =
       systematic_rounding(expected_counts(totals, settings.samples), rounding_offset(settings.seed, 0));
-  const double share = total_importance(cells) / settings.samples;
+  const double share = sum_of(totals) / settings.samples;
   const PointSet points(settings.sequence, settings.samples, settings.seed);
   std::vector<PrecomputedLight> lights;
   for (std::size_t m = 0; m < cells.size(); ++m) {
     if (counts[m] == 0) continue;
-    const SampledCell& cell = cells[m];
-    const PiecewiseConstant2D table(cell.importance);
+    const MeasuredCell& cell = cells[m];
+    const PiecewiseConstant2D table(summed_area_table(cell, importance_image));
     for (int k = 0; k < counts[m]; ++k) {
       const UnitPoint xi = points.at(cell.number, 0, k);
       const auto point = table.sample(xi.x, xi.y, table.whole());
-      if (!point || !(cell.importance.value(point->i, point->j) > 0)) continue;
+      const double importance = point ? importance_at(*cell.image, point->i, point->j) : 0;
+      if (!(importance > 0)) continue;
       PrecomputedLight light{static_cast<int>(m), {point->x, point->y}, {}};
       for (int c = 0; c < cell.image->channels; ++c)
-        light.value.push_back(share * cell.image->at(c, point->i, point->j) /
-                              cell.importance.value(point->i, point->j));
-      lights.push_back(std::move(light));
+        light.value[static_cast<std::size_t>(c)] = share * cell.image->at(c, point->i, point->j) / importance;
+      lights.push_back(light);
     }
   }
   return lights;
@@ -49,7 +62,8 @@ PrecomputedLights::PrecomputedLights(const LightField& light_field, const Method
     : geometry_(light_field.geometry()),
       basis_(geometry_.sampling.basis),
       settings_(settings),
-      cells_(sampled_cells(light_field)),
+      cells_(measured_cells(light_field)),
+      total_(sum_of(importances_of(cells_))),
       lights_(precompute_lights(cells_, settings)) {}
 
 Result<std::vector<double>> PrecomputedLights::irradiance(const Receiver& receiver, std::uint32_t) const {
@@ -72,16 +86,14 @@ Result<Estimate> PrecomputedLights::estimate(const Receiver& receiver, std::uint
   Estimate result{std::move(*value), std::vector<double>(geometry_.channels.size(), 0.0)};
   const ReceiverView view(geometry_, basis_, receiver);
   if (!view.in_front() || lights_.empty()) return result;
-  const double share = total_importance(cells_) / settings_.samples / std::abs(view.rate().prod());
-  for (const SampledCell& cell : cells_)
-    over_seen_pixels(view, cell.u_mm, [&](int i, int j, const Vec2& tau, double area) {
-      const double importance = cell.importance.value(i, j), weight = view.weight(cell.u_mm, tau);
-      if (!(importance > 0)) return;
-      for (std::size_t c = 0; c < result.stated_error.size(); ++c) {
-        const double f = weight * cell.image->at(static_cast<int>(c), i, j);
-        result.stated_error[c] += area * f * f / importance * share;
-      }
-    });
+  const double share = total_ / settings_.samples / std::abs(view.rate().prod());
+  for (const MeasuredCell& cell : cells_) {
+    const auto scale = [&](int i, int j) {
+      const double importance = importance_at(*cell.image, i, j);
+      return importance > 0 ? share / importance : 0;
+    };
+    add_variance(view, cell, scale, result.stated_error);
+  }
   for (double& each : result.stated_error) each = std::sqrt(each);
   return result;
 }

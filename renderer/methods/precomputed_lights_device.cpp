@@ -1,6 +1,7 @@
 #include "renderer/methods/precomputed_lights_device.h"
 
 #include "renderer/methods/precomputed_lights.h"
+#include "renderer/methods/table_memory.h"
 
 namespace lumifield {
 
@@ -19,18 +20,19 @@ Result<std::unique_ptr<PrecomputedLightsDevice>> PrecomputedLightsDevice::create
 }
 
 Status PrecomputedLightsDevice::take_cells(const LightField& light_field) {
-  sampled_ = sampled_cells(light_field);
-  return {};
+  measured_ = measured_cells(light_field);
+  return check_table_memory(settings_, host_table_bytes(geometry_, settings_, static_cast<int>(measured_.size())),
+                            host_memory_bytes());
 }
 
 /// Cell by cell, each cell's lights filled up to whole vectors with lights of no value.
 Status PrecomputedLightsDevice::make_points() {
-  const std::vector<PrecomputedLight> lights = precompute_lights(sampled_, settings_);
+  const std::vector<PrecomputedLight> lights = precompute_lights(measured_, settings_);
   std::vector<SamplingCell> cells;
   std::vector<const PrecomputedLight*> placed;
   auto next = lights.begin();
-  for (std::size_t m = 0; m < sampled_.size(); ++m) {
-    const SampledCell& cell = sampled_[m];
+  for (std::size_t m = 0; m < measured_.size(); ++m) {
+    const MeasuredCell& cell = measured_[m];
     cells.push_back(
         {cell.u_mm.x(), cell.u_mm.y(), 0, 0, static_cast<int>(cell.number), static_cast<int>(placed.size())});
     for (; next != lights.end() && next->cell == static_cast<int>(m); ++next) placed.push_back(&*next);
@@ -38,15 +40,15 @@ Status PrecomputedLightsDevice::make_points() {
   }
   cells.push_back({0, 0, 0, 0, 0, static_cast<int>(placed.size())});
 
-  const std::size_t plane = placed.size(), channels = geometry_.channels.size();
-  std::vector<float> table((2 + channels) * plane, 0.0F);
+  const std::size_t plane = placed.size();
+  std::vector<float> table((2 + channels()) * plane, 0.0F);
   for (std::size_t k = 0; k < plane; ++k) {
     if (!placed[k]) continue;
     table[k] = static_cast<float>(placed[k]->on_s_px.x());
     table[plane + k] = static_cast<float>(placed[k]->on_s_px.y());
-    for (std::size_t c = 0; c < channels; ++c) table[(2 + c) * plane + k] = static_cast<float>(placed[k]->value[c]);
+    for (std::size_t c = 0; c < channels(); ++c) table[(2 + c) * plane + k] = static_cast<float>(placed[k]->value[c]);
   }
-  shared_.cells = static_cast<int>(sampled_.size());
+  shared_.cells = static_cast<int>(measured_.size());
   shared_.plane = static_cast<int>(plane);
   if (Status done = upload(lights_, table, "lights"); !done) return done;
   return upload(cells_, cells, "cells");

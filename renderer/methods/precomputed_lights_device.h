@@ -17,7 +17,7 @@ class PrecomputedLightsDevice final : public SampledDevice {
   Status make_points() override;
   Status check_receiver(const Receiver& receiver) const override;
 
-  std::vector<SampledCell> sampled_;
+  std::vector<MeasuredCell> measured_;
   DeviceBuffer cells_, lights_;
 };
 

@@ -4,6 +4,12 @@
 
 namespace lumifield {
 
+double importance_at(const CellImage& image, int i, int j) {
+  double sum = 0;
+  for (int c = 0; c < image.channels; ++c) sum += std::abs(static_cast<double>(image.at(c, i, j)));
+  return sum;
+}
+
 std::vector<double> importance_image(const CellImage& image) {
   std::vector<double> sum(image.plane(), 0.0);
   for (int c = 0; c < image.channels; ++c)
@@ -20,22 +26,26 @@ std::vector<double> luminance_image(const CellImage& image) {
   return sum;
 }
 
-std::optional<SampledCell> sampled_cell(const LightField& light_field, int flat,
-                                        std::vector<double> (*importance)(const CellImage&)) {
+std::vector<MeasuredCell> measured_cells(const LightField& light_field) {
   const Sampling& sampling = light_field.geometry().sampling;
-  const CellIndex index = sampling.index(flat);
-  auto image = light_field.cell(index);
-  if (!image) return std::nullopt;
-  SummedAreaTable table(importance(*image), image->width_px, image->height_px);
-  return SampledCell{sampling.cell_center_mm(index), static_cast<std::uint32_t>(flat), std::move(image),
-                     std::move(table)};
+  std::vector<MeasuredCell> cells;
+  for (int flat = 0; flat < sampling.cells(); ++flat) {
+    const CellIndex index = sampling.index(flat);
+    if (auto image = light_field.cell(index))
+      cells.push_back({sampling.cell_center_mm(index), static_cast<std::uint32_t>(flat), std::move(image)});
+  }
+  return cells;
+}
+
+SummedAreaTable summed_area_table(const MeasuredCell& cell, std::vector<double> (*importance)(const CellImage&)) {
+  return SummedAreaTable(importance(*cell.image), cell.image->width_px, cell.image->height_px);
 }
 
 std::vector<SampledCell> sampled_cells(const LightField& light_field,
                                        std::vector<double> (*importance)(const CellImage&)) {
   std::vector<SampledCell> cells;
-  for (int flat = 0; flat < light_field.geometry().sampling.cells(); ++flat)
-    if (auto cell = sampled_cell(light_field, flat, importance)) cells.push_back(std::move(*cell));
+  for (const MeasuredCell& cell : measured_cells(light_field))
+    cells.push_back({cell, summed_area_table(cell, importance)});
   return cells;
 }
 

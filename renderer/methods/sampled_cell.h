@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "luminaire/light_field.h"
@@ -10,22 +9,26 @@
 namespace lumifield {
 
 /// A measured cell as methods that sample know it. Value type.
-struct SampledCell {
+struct MeasuredCell {
   Vec2 u_mm;
   std::uint32_t number;  ///< Sampling::flat
   std::shared_ptr<const CellImage> image;
+};
+
+/// With what its samples are drawn by: 16 bytes a pixel beside the image.
+struct SampledCell : MeasuredCell {
   SummedAreaTable importance;
 };
 
 /// What samples are drawn by: Σ_channels |C|, which no channel outgrows and no sign hides.
+double importance_at(const CellImage& image, int i, int j);
 std::vector<double> importance_image(const CellImage& image);
 /// As published: the luminance, Y or 0.2126 R + 0.7152 G + 0.0722 B.
 std::vector<double> luminance_image(const CellImage& image);
 
-/// A cell of a light field; empty while it is unmeasured.
-std::optional<SampledCell> sampled_cell(const LightField& light_field, int flat,
-                                        std::vector<double> (*importance)(const CellImage&));
 /// All measured cells in the grid's order.
+std::vector<MeasuredCell> measured_cells(const LightField& light_field);
+SummedAreaTable summed_area_table(const MeasuredCell& cell, std::vector<double> (*importance)(const CellImage&));
 std::vector<SampledCell> sampled_cells(const LightField& light_field,
                                        std::vector<double> (*importance)(const CellImage&) = importance_image);
 

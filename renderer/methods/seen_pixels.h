@@ -2,6 +2,7 @@
 
 #include "renderer/methods/axis_weights.h"
 #include "renderer/methods/receiver_view.h"
+#include "renderer/methods/sampled_cell.h"
 
 namespace lumifield {
 
@@ -29,6 +30,20 @@ void over_seen_pixels(const ReceiverView& view, const Vec2& u_m, const Visit& vi
         visit(x.first + static_cast<int>(i), y.first + static_cast<int>(j),
               Vec2(low + part.cwiseProduct(Vec2(k % points + 0.5, k / points + 0.5))), part.prod());
     }
+}
+
+/// Adds ∫ scale (F C)² dτ over what is seen of a cell, by channel: the variance of a sample of density q is at most
+/// that of 1/q. scale(i, j): of a pixel, not negative.
+template <class Scale>
+void add_variance(const ReceiverView& view, const MeasuredCell& cell, const Scale& scale,
+                  std::vector<double>& variance) {
+  over_seen_pixels(view, cell.u_mm, [&](int i, int j, const Vec2& tau, double area) {
+    const double weight = view.weight(cell.u_mm, tau), each = area * scale(i, j);
+    for (std::size_t c = 0; c < variance.size(); ++c) {
+      const double f = weight * cell.image->at(static_cast<int>(c), i, j);
+      variance[c] += each * f * f;
+    }
+  });
 }
 
 }  // namespace lumifield

@@ -13,7 +13,7 @@ UniformBox::UniformBox(const LightField& light_field, const MethodSettings& sett
     : geometry_(light_field.geometry()),
       basis_(geometry_.sampling.basis),
       settings_(settings),
-      cells_(sampled_cells(light_field)),
+      cells_(measured_cells(light_field)),
       points_(settings.sequence, settings.samples, settings.seed) {}
 
 Result<std::vector<double>> UniformBox::irradiance(const Receiver& receiver, std::uint32_t number) const {
@@ -24,13 +24,14 @@ Result<std::vector<double>> UniformBox::irradiance(const Receiver& receiver, std
   const std::vector<int> counts =
       systematic_rounding(std::vector<double>(cells_.size(), kappa), rounding_offset(settings_.seed, number));
   for (std::size_t m = 0; m < cells_.size(); ++m) {
-    const SampledCell& cell = cells_[m];
+    const MeasuredCell& cell = cells_[m];
     for (int k = 0; k < counts[m]; ++k) {
       const UnitPoint xi = points_.at(cell.number, number, k);
       const Vec2 tau(half * (2.0 * xi.x - 1), half * (2.0 * xi.y - 1));
       int i = 0, j = 0;
-      if (pixel_under(view, cell.u_mm, tau, i, j))
-        add_sample(view, cell, tau, i, j, 4 * half * half / kappa * cell.importance.value(i, j), sum);
+      if (!pixel_under(view, cell.u_mm, tau, i, j)) continue;
+      const double weight = 4 * half * half / kappa * view.weight(cell.u_mm, tau);
+      for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += weight * cell.image->at(static_cast<int>(c), i, j);
     }
   }
   return sum;
@@ -43,14 +44,9 @@ Result<Estimate> UniformBox::estimate(const Receiver& receiver, std::uint32_t nu
   const ReceiverView view(geometry_, basis_, receiver);
   if (!view.in_front() || cells_.empty()) return result;
   const double kappa = settings_.samples / static_cast<double>(cells_.size()), half = view.half_support();
-  for (const SampledCell& cell : cells_)
-    over_seen_pixels(view, cell.u_mm, [&](int i, int j, const Vec2& tau, double area) {
-      const double weight = view.weight(cell.u_mm, tau);
-      for (std::size_t c = 0; c < result.stated_error.size(); ++c) {
-        const double f = weight * cell.image->at(static_cast<int>(c), i, j);
-        result.stated_error[c] += area * f * f * 4 * half * half / kappa;
-      }
-    });
+  for (const MeasuredCell& cell : cells_)
+    add_variance(
+        view, cell, [&](int, int) { return 4 * half * half / kappa; }, result.stated_error);
   for (double& each : result.stated_error) each = std::sqrt(each);
   return result;
 }

@@ -21,7 +21,7 @@ class UniformBox final : public HostMethod {
   LuminaireGeometry geometry_;
   Basis basis_;
   MethodSettings settings_;
-  std::vector<SampledCell> cells_;
+  std::vector<MeasuredCell> cells_;
   PointSet points_;
 };
 

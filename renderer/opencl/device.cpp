@@ -96,7 +96,7 @@ struct OpenClDevice::Impl {
   std::shared_ptr<_cl_context> context;
   std::shared_ptr<_cl_command_queue> queue;
   std::string name;
-  std::size_t max_buffer_bytes = 0;
+  std::size_t max_buffer_bytes = 0, memory_bytes = 0;
   bool is_cpu = false;
 };
 
@@ -105,6 +105,7 @@ OpenClDevice::~OpenClDevice() = default;
 const std::string& OpenClDevice::name() const { return impl_->name; }
 bool OpenClDevice::is_cpu() const { return impl_->is_cpu; }
 std::size_t OpenClDevice::max_buffer_bytes() const { return impl_->max_buffer_bytes; }
+std::size_t OpenClDevice::memory_bytes() const { return impl_->memory_bytes; }
 
 Result<std::unique_ptr<OpenClDevice>> OpenClDevice::create() {
   if (auto probed = probe_opencl(); !probed) return tl::unexpected(probed.error());
@@ -119,6 +120,7 @@ Result<std::unique_ptr<OpenClDevice>> OpenClDevice::open() {
   impl->device = *device;
   impl->name = text_of(*device, CL_DEVICE_NAME);
   impl->max_buffer_bytes = number_of<cl_ulong>(*device, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
+  impl->memory_bytes = number_of<cl_ulong>(*device, CL_DEVICE_GLOBAL_MEM_SIZE);
   impl->is_cpu = (number_of<cl_device_type>(*device, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0;
   int code = 0;
   impl->context.reset(clCreateContext(nullptr, 1, &impl->device, nullptr, nullptr, &code), [](cl_context c) {

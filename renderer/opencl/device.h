@@ -63,6 +63,8 @@ class OpenClDevice {
   bool is_cpu() const;
   /// Largest single buffer.
   std::size_t max_buffer_bytes() const;
+  /// Of all buffers; on a processor that of the host.
+  std::size_t memory_bytes() const;
 
   /// Errors: more than the device's largest buffer (checked before), out of memory.
   Result<DeviceBuffer> allocate(std::size_t bytes, std::string_view purpose);

@@ -1,0 +1,42 @@
+#include "renderer/methods/table_memory.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <unistd.h>
+
+#include "renderer/methods/precomputed_lights.h"
+
+namespace lumifield {
+
+double host_table_bytes(const LuminaireGeometry& geometry, const MethodSettings& settings, int cells) {
+  const Measurement& m = geometry.measurement;
+  // The importance, and its sums from the corner; of cdfs each column, and its sums from the top.
+  const double summed_area =
+      sizeof(double) * (static_cast<double>(m.pixels()) + (m.width_px + 1.0) * (m.height_px + 1.0));
+  const double cdfs = sizeof(double) * m.width_px * (2.0 * m.height_px + 1);
+  switch (settings.method) {
+    case Method::position_dependent:
+      return cells * summed_area;
+    case Method::position_dependent_printed:
+      return cells * (summed_area + cdfs);
+    case Method::precomputed_lights:
+      return std::min(cells, 1) * (summed_area + cdfs) + settings.samples * sizeof(PrecomputedLight);
+    default:
+      return 0;
+  }
+}
+
+Status check_table_memory(const MethodSettings& settings, double table_bytes, double memory_bytes) {
+  const double allowed = settings.memory_bytes > 0 ? settings.memory_bytes : memory_bytes / 2;
+  if (table_bytes <= allowed) return {};
+  char text[128];
+  std::snprintf(text, sizeof text, "its tables take %.3g MB, more than the %.3g MB that they may", table_bytes / 1e6,
+                allowed / 1e6);
+  return fail(text, std::string(to_string(settings.method)), "use closed-form, smaller images or fewer cells");
+}
+
+double host_memory_bytes() {
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace lumifield

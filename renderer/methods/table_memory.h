@@ -1,0 +1,20 @@
+#pragma once
+
+#include "luminaire/light_field.h"
+#include "renderer/methods/method.h"
+
+namespace lumifield {
+
+/// What the tables of a method's host form take beside the cells, bytes: summed-area tables of their importance for
+/// position-dependent, and cdfs of it too as printed; of precomputed-lights the lights, and the tables of one cell,
+/// which are not kept. `cells`: measured ones.
+double host_table_bytes(const LuminaireGeometry& geometry, const MethodSettings& settings, int cells);
+
+/// Refuses tables that take more than the settings allow, or by these half of `memory_bytes`. To be asked before any is
+/// taken. Reentrant.
+Status check_table_memory(const MethodSettings& settings, double table_bytes, double memory_bytes);
+
+/// Of this machine, bytes.
+double host_memory_bytes();
+
+}  // namespace lumifield
