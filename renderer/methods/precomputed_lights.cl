@@ -11,8 +11,14 @@
 #include "renderer/methods/sampling_shared.h"
 #include "renderer/methods/sampling_view.clh"
 
-// lights: x of all, y of all, then each channel's value of all, in planes of `plane`; those of a cell begin at a
-// multiple of 16 and are filled up with values of 0. A receiver on S sees none.
+// How far sixteen lights lie from a support's centre along one axis, pixels. Near each other two floats differ exactly, so
+// that what is left of both decides.
+INLINE float16 apart(__global const float* place, int plane, float center, float rest) {
+  return (vload16(0, place) - center) + (vload16(0, place + plane) - rest);
+}
+
+// lights: planes of `plane`: x of all, and what float leaves of it; y of all, and what is left; then each channel's value
+// of all. Those of a cell begin at a multiple of 16 and are filled up with values of 0. A receiver on S sees none.
 __kernel void precomputed_lights(const SamplingGeometry geometry, __global const SamplingReceiver* receivers,
                                  __global const SamplingCell* cells, __global const float* lights,
                                  __global double* sums) {
@@ -25,16 +31,17 @@ __kernel void precomputed_lights(const SamplingGeometry geometry, __global const
   for (int c = 0; c < CHANNELS; ++c) sum[c] = 0;
   for (int m = 0; m < geometry.cells; ++m) {
     const SamplingCell cell = cells[m];
-    const float2 center = convert_float2(on_s_px(&geometry, &view, (double2)(cell.u_x, cell.u_y)));
+    const double2 at = on_s_px(&geometry, &view, (double2)(cell.u_x, cell.u_y));
+    const float2 center = convert_float2(at), rest = convert_float2(at - convert_double2(center));
     const float height = center_height(&view, cell.u_x, cell.u_y);
     float16 part[CHANNELS];
     for (int c = 0; c < CHANNELS; ++c) part[c] = 0;
     for (int k = cell.first_light; k < cells[m + 1].first_light; k += 16) {
-      const float16 x = (vload16(0, lights + k) - center.x) * per_rate.x;
-      const float16 y = (vload16(0, lights + geometry.plane + k) - center.y) * per_rate.y;
+      const float16 x = apart(lights + k, geometry.plane, center.x, rest.x) * per_rate.x;
+      const float16 y = apart(lights + 2 * geometry.plane + k, geometry.plane, center.y, rest.y) * per_rate.y;
       const float16 g = height + view.slope.x * x + view.slope.y * y;
       const float16 weight = phi_of_16(x) * phi_of_16(y) * fmax(g, (float16)0);
-      for (int c = 0; c < CHANNELS; ++c) part[c] += weight * vload16(0, lights + (2 + c) * geometry.plane + k);
+      for (int c = 0; c < CHANNELS; ++c) part[c] += weight * vload16(0, lights + (4 + c) * geometry.plane + k);
     }
     for (int c = 0; c < CHANNELS; ++c) {
       const float8 eight = part[c].lo + part[c].hi;

@@ -41,12 +41,16 @@ Status PrecomputedLightsDevice::make_points() {
   cells.push_back({0, 0, 0, 0, 0, static_cast<int>(placed.size())});
 
   const std::size_t plane = placed.size();
-  std::vector<float> table((2 + channels()) * plane, 0.0F);
+  std::vector<float> table((4 + channels()) * plane, 0.0F);
+  const auto split = [&](double place, std::size_t k) {
+    table[k] = static_cast<float>(place);
+    table[plane + k] = static_cast<float>(place - static_cast<double>(table[k]));
+  };
   for (std::size_t k = 0; k < plane; ++k) {
     if (!placed[k]) continue;
-    table[k] = static_cast<float>(placed[k]->on_s_px.x());
-    table[plane + k] = static_cast<float>(placed[k]->on_s_px.y());
-    for (std::size_t c = 0; c < channels(); ++c) table[(2 + c) * plane + k] = static_cast<float>(placed[k]->value[c]);
+    split(placed[k]->on_s_px.x(), k);
+    split(placed[k]->on_s_px.y(), 2 * plane + k);
+    for (std::size_t c = 0; c < channels(); ++c) table[(4 + c) * plane + k] = static_cast<float>(placed[k]->value[c]);
   }
   shared_.cells = static_cast<int>(measured_.size());
   shared_.plane = static_cast<int>(plane);

@@ -4,7 +4,8 @@
 
 namespace lumifield {
 
-/// The kernel of precomputed-lights. Thread-bound.
+/// The kernel of precomputed-lights. Where a light lies is held as two floats, good to 2^−48 of the image: a support
+/// near S spans parts of a pixel that one float does not have. Thread-bound.
 class PrecomputedLightsDevice final : public SampledDevice {
  public:
   static Result<std::unique_ptr<PrecomputedLightsDevice>> create(const LuminaireGeometry& geometry,

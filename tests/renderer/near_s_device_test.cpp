@@ -61,6 +61,15 @@ class NearS : public testing::Test {
   }
 };
 
+TEST_F(NearS, PrecomputedLightsLieWhereTheHostHasThem) {
+  // A million lights in one pixel of 4000, of which a support of 1e-4 pixels shows about a hundred. Pixels are as much
+  // narrower along y, so that there a support spans half a pixel.
+  const LightField field = row_of_pixels(5, 1e-3, 4000, 3000);
+  std::vector<Receiver> at;
+  for (int k = 0; k < 20; ++k) at.push_back(at_span(field, 1e-4, 0.03 * k - 0.3));
+  EXPECT_LT(apart(field, {.method = Method::precomputed_lights, .samples = 1e6}, at), 1e-4);
+}
+
 TEST_F(NearS, ThePrintedMethodHasItsDigitsAtItsLimit) {
   const LightField field = row_of_pixels(1, 1, 300, 250);
   std::vector<Receiver> at;
