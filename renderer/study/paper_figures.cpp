@@ -159,20 +159,21 @@ void car1_figures(Figures& figures) {
 /// The time at which a ladder reaches an error, by lines in the logarithms.
 struct Reached {
   double time_ms;
-  bool beyond;  ///< the last point
+  const char* beyond;  ///< said of a time that no two points hold between them, else empty
 };
 std::optional<Reached> time_at(std::vector<StudyPoint> ladder, double error) {
   std::ranges::sort(ladder, {}, &StudyPoint::time_ms);
   if (ladder.size() < 2) return std::nullopt;
-  for (std::size_t k = 1; k < ladder.size(); ++k) {
-    const bool last = k + 1 == ladder.size();
-    if (ladder[k].rel_rmse > error && !last) continue;
-    const double x0 = std::log(ladder[k - 1].time_ms), x1 = std::log(ladder[k].time_ms);
-    const double y0 = std::log(ladder[k - 1].rel_rmse), y1 = std::log(ladder[k].rel_rmse);
-    if (!(y1 < y0)) return std::nullopt;
-    return Reached{std::exp(x0 + (std::log(error) - y0) / (y1 - y0) * (x1 - x0)), ladder[k].rel_rmse > error};
-  }
-  return std::nullopt;
+  const auto reached = std::ranges::find_if(ladder.begin() + 1, ladder.end() - 1,
+                                            [&](const StudyPoint& p) { return p.rel_rmse <= error; });
+  const StudyPoint &a = *(reached - 1), &b = *reached;
+  const double x0 = std::log(a.time_ms), x1 = std::log(b.time_ms);
+  const double y0 = std::log(a.rel_rmse), y1 = std::log(b.rel_rmse);
+  if (!(y1 < y0)) return std::nullopt;
+  const char* beyond = "";
+  if (b.rel_rmse > error) beyond = " (beyond the ladder, by its last slope)";
+  if (a.rel_rmse < error) beyond = " (beyond the ladder's start, by its first slope)";
+  return Reached{std::exp(x0 + (std::log(error) - y0) / (y1 - y0) * (x1 - x0)), beyond};
 }
 
 }  // namespace
@@ -203,8 +204,7 @@ std::vector<FigureRow> equal_error_rows(const std::vector<StudyPoint>& points, c
       if (!theirs || !std::isfinite(ours)) continue;
       char what[160];
       std::snprintf(what, sizeof what, "%s over closed-form at %.1f %% relative RMSE%s",
-                    std::string(to_string(method)).c_str(), 100 * error,
-                    theirs->beyond ? " (beyond the ladder, by its last slope)" : "");
+                    std::string(to_string(method)).c_str(), 100 * error, theirs->beyond);
       rows.push_back({"equal error", luminaire, what, "ratio of kernel times", theirs->time_ms / ours, none});
     }
   }

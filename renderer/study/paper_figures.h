@@ -13,8 +13,8 @@ namespace lumifield {
 Result<std::vector<FigureRow>> paper_figures(const StudyBench& bench, bool quick, const StudyProgress& progress);
 
 /// The times at which two methods reach one error, from their points of one luminaire: between points by a line in the
-/// logarithms, beyond the last by the last line's slope, which `what` says. For closed-form the cheapest point that is
-/// at least as good.
+/// logarithms, before the first by the first line's slope and beyond the last by the last line's, which `what` says.
+/// For closed-form the cheapest point that is at least as good. A method whose error does not fall there has no row.
 std::vector<FigureRow> equal_error_rows(const std::vector<StudyPoint>& points, const std::string& luminaire);
 
 }  // namespace lumifield

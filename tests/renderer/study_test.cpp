@@ -178,3 +178,21 @@ TEST(EqualError, IsReadFromTheLadders) {
 
 }  // namespace
 }  // namespace lumifield
+TEST(EqualError, SaysThatATimeIsBeyondEitherEndOfALadder) {
+  const auto point = [](Method method, double time_ms, double error) {
+    StudyPoint p{.method = method, .luminaire = "bike"};
+    p.time_ms = time_ms;
+    p.rel_rmse = error;
+    return p;
+  };
+  // 0.5 % lies before the first point, where the line leads to 64 ms, and 0.1 % on it.
+  const std::vector<StudyPoint> points{point(Method::closed_form, 8, 1e-7), point(Method::uniform_box, 400, 0.002),
+                                       point(Method::uniform_box, 1600, 0.001)};
+  const auto rows = equal_error_rows(points, "bike");
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_NEAR(rows[0].ours, 8, 1e-6);
+  EXPECT_NE(rows[0].what.find("beyond the ladder's start"), std::string::npos) << rows[0].what;
+  EXPECT_NEAR(rows[1].ours, 200, 1e-6);
+  EXPECT_EQ(rows[1].what.find("beyond"), std::string::npos) << rows[1].what;
+}
+
