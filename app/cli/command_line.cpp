@@ -142,6 +142,7 @@ void add_study(CLI::App& app, StudyOptions& o) {
   study->add_option("--scene", o.scene, "Scene file")->required();
   study->add_option("--out", o.out, "Folder for study.json, its tables as CSV, and the chart as SVG and PNG")
       ->required();
+  study->add_option("--cache", o.cache, "Folder in which references are kept, else $XDG_CACHE_HOME/lumifield");
   study->add_flag("--quick", o.quick, "Few points of each method: minutes instead of up to an hour");
   study->add_flag("--force", o.force, "Replace the study that is in the folder");
   study->add_flag("--json", o.json, "Print the summary as one JSON object");

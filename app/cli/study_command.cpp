@@ -12,6 +12,7 @@
 #include "app/session/study_file.h"
 #include "luminaire/dataset.h"
 #include "luminaire/scene.h"
+#include "renderer/study/reference_cache.h"
 #include "renderer/study/run_study.h"
 #include "renderer/study/synthetic_luminaire.h"
 
@@ -62,6 +63,7 @@ Result<StudyLuminaire> read_luminaire(const std::string& text) {
 Result<StudyJob> make_job(const StudyOptions& options) {
   StudyJob job;
   job.quick = options.quick;
+  job.cache = options.cache.empty() ? cache_folder() : fs::path(options.cache);
   auto scene = read_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
   job.scene = std::move(*scene);

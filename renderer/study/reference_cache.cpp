@@ -15,7 +15,9 @@ void append(std::string& bytes, const T* values, std::size_t count) {
   bytes.append(reinterpret_cast<const char*>(values), count * sizeof(T));
 }
 
-std::string content_key(const LightField& light_field, const std::vector<Receiver>& receivers) {
+}  // namespace
+
+std::string reference_key(const LightField& light_field, const std::vector<Receiver>& receivers, int version) {
   const LuminaireGeometry& g = light_field.geometry();
   const Sampling& s = g.sampling;
   const Measurement& m = g.measurement;
@@ -24,7 +26,7 @@ std::string content_key(const LightField& light_field, const std::vector<Receive
                             m.pixel_mm.y(),         m.center_mm.x(),  m.center_mm.y()};
   const int counts[] = {static_cast<int>(s.basis),          s.columns, s.rows, m.width_px, m.height_px,
                         static_cast<int>(g.channels.size())};
-  std::string bytes = "lumifield-reference 1";
+  std::string bytes = "lumifield-reference " + std::to_string(version) + "\n";
   append(bytes, lengths, std::size(lengths));
   append(bytes, counts, std::size(counts));
   for (const Receiver& r : receivers) {
@@ -42,8 +44,6 @@ std::string content_key(const LightField& light_field, const std::vector<Receive
   return key;
 }
 
-}  // namespace
-
 std::filesystem::path cache_folder() {
   if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
     return std::filesystem::path(cache) / "lumifield";
@@ -56,7 +56,7 @@ std::vector<double> cached_reference(const LightField& light_field, const std::v
   const std::size_t channels = light_field.geometry().channels.size();
   std::vector<double> e(receivers.size() * channels);
   const std::size_t bytes = e.size() * sizeof(double);
-  const std::filesystem::path file = folder / (content_key(light_field, receivers) + ".f64");
+  const std::filesystem::path file = folder / (reference_key(light_field, receivers) + ".f64");
   if (!folder.empty())
     if (const auto kept = read_file(file, bytes); kept && kept->size() == bytes) {
       std::memcpy(e.data(), kept->data(), bytes);

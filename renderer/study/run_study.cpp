@@ -20,7 +20,7 @@ Result<Study> run_study(const StudyJob& job, const StudyProgress& progress) {
         return progress(each_share * (static_cast<double>(k) + from + (to - from) * share), what);
       };
     };
-    auto bench = StudyBench::create(**camera, job.luminaires[k]);
+    auto bench = StudyBench::create(**camera, job.luminaires[k], job.cache);
     if (!bench) return tl::unexpected(bench.error());
     auto points = climb_ladder(**bench, job.quick, part(0, 0.7));
     if (!points) return tl::unexpected(points.error());

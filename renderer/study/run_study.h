@@ -1,5 +1,8 @@
 #pragma once
 
+#include <filesystem>
+#include <vector>
+
 #include "luminaire/scene.h"
 #include "renderer/study/study_bench.h"
 
@@ -9,6 +12,7 @@ struct StudyJob {
   Scene scene;  ///< its first luminaire's place is taken
   std::vector<StudyLuminaire> luminaires;
   bool quick = false;
+  std::filesystem::path cache;  ///< of references (reference_cache.h); empty: none are kept
 };
 
 /// The whole study: the ladder of every method on every luminaire, one point of each at 1024×768 on the first, the

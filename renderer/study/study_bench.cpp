@@ -28,7 +28,8 @@ Result<double> timed_evaluation(DeviceMethod& method, const std::vector<Receiver
   return times[times.size() / 2];
 }
 
-Result<std::unique_ptr<StudyBench>> StudyBench::create(StudyCamera& camera, const StudyLuminaire& luminaire) {
+Result<std::unique_ptr<StudyBench>> StudyBench::create(StudyCamera& camera, const StudyLuminaire& luminaire,
+                                                       const std::filesystem::path& cache) {
   const LuminaireGeometry& g = luminaire.light_field.geometry();
   std::unique_ptr<StudyBench> bench(new StudyBench);
   bench->luminaire_ = &luminaire;
@@ -42,7 +43,7 @@ Result<std::unique_ptr<StudyBench>> StudyBench::create(StudyCamera& camera, cons
   std::vector<Receiver> receivers;
   for (const std::size_t k : bench->chosen_) receivers.push_back(bench->timed_.receivers[k]);
   if (receivers.empty()) return fail("no surface beyond S is seen", "the scene", "turn the camera or the luminaire");
-  bench->reference_ = cached_reference(luminaire.light_field, receivers, cache_folder());
+  bench->reference_ = cached_reference(luminaire.light_field, receivers, cache);
 
   auto exact = bench->make({});
   if (!exact) return tl::unexpected(exact.error());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -24,7 +25,9 @@ using StudyProgress = std::function<bool(double share, const std::string& what)>
 /// without a level of detail. Thread-bound.
 class StudyBench {
  public:
-  static Result<std::unique_ptr<StudyBench>> create(StudyCamera& camera, const StudyLuminaire& luminaire);
+  /// References are kept in `cache` (reference_cache.h), nowhere when it is empty.
+  static Result<std::unique_ptr<StudyBench>> create(StudyCamera& camera, const StudyLuminaire& luminaire,
+                                                    const std::filesystem::path& cache);
 
   /// Evaluates a method that has the luminaire's cells, `repeats` times, and judges it. The method keeps its samples.
   Result<StudyPoint> judge(DeviceMethod& method, int repeats) const;

@@ -35,7 +35,7 @@ class StudyCommand : public support::TemporaryFolder {
  protected:
   StudyCommand() { drawn_into.clear(); }
   int run(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {"lumifield", "study"});
+    arguments.insert(arguments.begin(), {"lumifield", "study", "--cache", folder_ / "cache"});
     std::vector<char*> argv;
     for (std::string& each : arguments) argv.push_back(each.data());
     argv.push_back(nullptr);
@@ -137,6 +137,7 @@ TEST(StudyReport, NamesEachMethodsLeastErrorAndWhatFailed) {
                         "out: 84 points, 56 stability cases (48 ok, 7 refused, 1 failed), 1 figures, in 1:15\n"));
   EXPECT_THAT(text,
               HasSubstr("  bike\n    closed-form                 least error    3e-06 % in       88 ms  exact\n"));
+  EXPECT_FALSE(std::filesystem::is_empty(folder_ / "cache")) << "references are kept";
   EXPECT_THAT(text, HasSubstr("    position-dependent          least error     1.41 % in      208 ms  K = 4096\n"));
   EXPECT_THAT(text, HasSubstr("  failed: position-dependent-printed, grazing: off by more than it says\n"));
   const auto json = nlohmann::json::parse(study_summary_json(test::made_up_study(), "out\xff", 75));
