@@ -57,7 +57,7 @@ Result<StudyLuminaire> read_luminaire(const std::string& text) {
                  coverage.total - coverage.measured, coverage.total);
   fs::path folder = text;
   if (!folder.has_filename()) folder = folder.parent_path();
-  return StudyLuminaire{folder.stem().string(), std::move(dataset->light_field)};
+  return StudyLuminaire{study_name(folder.stem().string()), std::move(dataset->light_field)};
 }
 
 Result<StudyJob> make_job(const StudyOptions& options) {
@@ -72,6 +72,9 @@ Result<StudyJob> make_job(const StudyOptions& options) {
   std::vector<std::string> wanted = options.luminaires;
   if (wanted.empty())
     for (const SyntheticLuminaire& each : table_1_luminaires()) wanted.emplace_back(each.name);
+  if (wanted.size() > most_study_luminaires)
+    return fail(std::to_string(wanted.size()) + " luminaires are more than a study holds", "--luminaire",
+                "name at most " + std::to_string(most_study_luminaires));
   for (const std::string& text : wanted) {
     auto luminaire = read_luminaire(text);
     if (!luminaire) return tl::unexpected(luminaire.error());

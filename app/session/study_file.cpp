@@ -18,35 +18,47 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view format = "lumifield-study";
 constexpr int version = 1;
-constexpr std::size_t most_rows = 10'000, most_luminaires = 32, longest_name = 200, longest_reason = 4'000;
+constexpr std::size_t most_rows = 10'000, longest_name = 200, longest_reason = 4'000;
 constexpr int largest_picture = 16'384;
 constexpr std::array<std::string_view, 3> outcomes{"ok", "refused", "failed"};
 
 Json result(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
+std::string fitted(std::string_view text, std::size_t longest) {
+  constexpr std::string_view mark = "…";
+  const std::string json = Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::replace);
+  auto valid = Json::parse(json).get<std::string>();
+  if (valid.size() <= longest) return valid;
+  std::size_t end = longest - mark.size();
+  const auto continues = [&](std::size_t k) { return (static_cast<unsigned char>(valid[k]) & 0xC0U) == 0x80U; };
+  while (end > 0 && continues(end)) --end;
+  return valid.substr(0, end).append(mark);
+}
+
 Json json_of(const StudyPoint& p) {
   return {{"method", to_string(p.method)},
-          {"luminaire", p.luminaire},
+          {"luminaire", study_name(p.luminaire)},
           {"cost", p.cost},
           {"time_ms", result(p.time_ms)},
           {"rel_rmse", result(p.rel_rmse)},
           {"lab_delta_e", result(p.lab_delta_e)},
-          {"device", p.device},
+          {"device", study_name(p.device)},
           {"width_px", p.width_px},
           {"height_px", p.height_px}};
 }
 
 Json json_of(const StabilityRow& row) {
   return {{"method", to_string(row.method)},
-          {"case", row.case_name},
+          {"case", study_name(row.case_name)},
           {"outcome", to_string(row.outcome)},
           {"rel_error", result(row.rel_error)},
-          {"reason", row.reason}};
+          {"reason", fitted(row.reason, longest_reason)}};
 }
 
 Json json_of(const FigureRow& row) {
-  return {{"figure", row.figure},     {"luminaire", row.luminaire}, {"what", row.what},
-          {"quantity", row.quantity}, {"ours", result(row.ours)},   {"paper", result(row.paper)}};
+  return {{"figure", study_name(row.figure)}, {"luminaire", study_name(row.luminaire)},
+          {"what", study_name(row.what)},     {"quantity", study_name(row.quantity)},
+          {"ours", result(row.ours)},         {"paper", result(row.paper)}};
 }
 
 template <class Row>
@@ -147,10 +159,12 @@ std::string csv_of(const std::vector<Row>& rows) {
 
 }  // namespace
 
+std::string study_name(std::string_view text) { return fitted(text, longest_name); }
+
 std::string study_json(const Study& study) {
   return json_file_text({{"format", format},
                          {"version", version},
-                         {"scene", study.scene},
+                         {"scene", fitted(study.scene, longest_reason)},
                          {"quick", study.quick},
                          {"points", list_of(study.points)},
                          {"stability", list_of(study.stability)},
@@ -171,8 +185,8 @@ Result<Study> parse_study(std::string_view json, std::string_view name) {
   for (const JsonValue& each : root["figures"].elements(0, most_rows)) study.figures.push_back(read_figure(each));
   std::set<std::string_view> luminaires;
   for (const StudyPoint& point : study.points) luminaires.insert(point.luminaire);
-  if (luminaires.size() > most_luminaires)
-    root["points"].refuse("name more than " + std::to_string(most_luminaires) + " luminaires", "split the study");
+  if (luminaires.size() > most_study_luminaires)
+    root["points"].refuse("name more than " + std::to_string(most_study_luminaires) + " luminaires", "split the study");
   if (Status right = document->status(); !right) return tl::unexpected(right.error());
   return study;
 }
@@ -184,10 +198,13 @@ Result<Study> read_study(const std::filesystem::path& file) {
 }
 
 Status write_study(const Study& study, const std::filesystem::path& folder) {
+  const std::string json = study_json(study);
+  if (const auto taken = parse_study(json, (folder / study_file_name).string()); !taken)
+    return tl::unexpected(taken.error());
   std::error_code wrong;
   std::filesystem::create_directories(folder, wrong);
   if (wrong) return fail("the folder could not be made: " + wrong.message(), folder.string(), "name another folder");
-  const std::array<std::pair<std::string_view, std::string>, 4> files{{{study_file_name, study_json(study)},
+  const std::array<std::pair<std::string_view, std::string>, 4> files{{{study_file_name, json},
                                                                        {"points.csv", csv_of(study.points)},
                                                                        {"stability.csv", csv_of(study.stability)},
                                                                        {"figures.csv", csv_of(study.figures)}}};

@@ -15,6 +15,12 @@ namespace lumifield {
 
 inline constexpr std::string_view study_file_name = "study.json";
 
+inline constexpr std::size_t most_study_luminaires = 32;
+
+/// A name as a study file holds it: bytes that are not UTF-8 are replacement characters, and a text that is too long
+/// ends in "…".
+std::string study_name(std::string_view text);
+
 std::string study_json(const Study& study);
 
 /// `name` stands for the file. Refuses other formats and versions, and what is out of range, with its place.
@@ -22,7 +28,7 @@ Result<Study> parse_study(std::string_view json, std::string_view name);
 Result<Study> read_study(const std::filesystem::path& file);
 
 /// Writes study.json, points.csv, stability.csv and figures.csv into `folder`, made where it is not there. Files of
-/// these names are replaced.
+/// these names are replaced. Refuses, before anything is written, what read_study would refuse, with its place.
 Status write_study(const Study& study, const std::filesystem::path& folder);
 
 }  // namespace lumifield

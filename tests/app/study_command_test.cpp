@@ -93,6 +93,18 @@ TEST_F(StudyCommand, WhatIsWrongIsToldBeforeAnythingIsComputedAndLeavesNoFolder)
   EXPECT_TRUE(drawn_into.empty());
 }
 
+TEST_F(StudyCommand, WhatAStudyFileCannotHoldIsRefusedBeforeItIsMade) {
+  std::vector<std::string> arguments{"--scene", scene, "--out", study_folder()};
+  for (int k = 0; k < 33; ++k) arguments.insert(arguments.end(), {"--luminaire", "lamp" + std::to_string(k)});
+  EXPECT_EQ(run(arguments), 1);
+  EXPECT_THAT(error, HasSubstr("33 luminaires are more than a study holds"));
+  // Two names that differ after 200 bytes only are one in the file.
+  const std::string a = dataset(std::string(210, 'a') + "1.lumi"), b = dataset(std::string(210, 'a') + "2.lumi");
+  EXPECT_EQ(run({"--luminaire", a, "--luminaire", b, "--scene", scene, "--out", study_folder()}), 1);
+  EXPECT_THAT(error, HasSubstr("another luminaire is called 'aaa"));
+  EXPECT_FALSE(std::filesystem::exists(study_folder()));
+}
+
 TEST_F(StudyCommand, ASignalStopsItAndNothingIsLeft) {
   const std::string lamp = dataset("lamp.lumi");
   const auto handler = [] {
@@ -125,6 +137,7 @@ TEST_F(StudyCommand, WritesStudyTablesAndChart) {
   EXPECT_EQ(study->points[0].luminaire, "lamp");
   for (const char* name : {"points.csv", "stability.csv", "figures.csv"})
     EXPECT_TRUE(std::filesystem::exists(folder_ / "study" / name)) << name;
+  EXPECT_FALSE(std::filesystem::is_empty(folder_ / "cache")) << "references are kept";
   const auto summary = nlohmann::json::parse(out);
   EXPECT_EQ(summary["points"], study->points.size());
   EXPECT_EQ(summary["luminaires"], nlohmann::json({"lamp"}));
@@ -137,7 +150,6 @@ TEST(StudyReport, NamesEachMethodsLeastErrorAndWhatFailed) {
                         "out: 84 points, 56 stability cases (48 ok, 7 refused, 1 failed), 1 figures, in 1:15\n"));
   EXPECT_THAT(text,
               HasSubstr("  bike\n    closed-form                 least error    3e-06 % in       88 ms  exact\n"));
-  EXPECT_FALSE(std::filesystem::is_empty(folder_ / "cache")) << "references are kept";
   EXPECT_THAT(text, HasSubstr("    position-dependent          least error     1.41 % in      208 ms  K = 4096\n"));
   EXPECT_THAT(text, HasSubstr("  failed: position-dependent-printed, grazing: off by more than it says\n"));
   const auto json = nlohmann::json::parse(study_summary_json(test::made_up_study(), "out\xff", 75));

@@ -137,6 +137,59 @@ TEST_F(StudyFile, SizesAreBounded) {
   EXPECT_FALSE(read_study("/dev/zero"));
 }
 
+TEST_F(StudyFile, HostileNamesAreWrittenAsTheyAreRead) {
+  std::string umlauts;
+  for (int k = 0; k < 150; ++k) umlauts += "ü";
+  Study study = small_study();
+  study.scene = std::string(5'000, 's');
+  study.points[0].luminaire = "a" + umlauts;
+  study.points[0].device = std::string("no\0thing, \"quoted\",\r\n\t\x1b[31m", 27);
+  study.points[1].luminaire = "half\xc3 and \xff";
+  study.stability[0].case_name = std::string(201, 'c');
+  study.stability[1].reason = std::string(4'001, 'r');
+  study.figures[0].what = umlauts;
+  ASSERT_TRUE(write_study(study, folder_));
+  const Result<Study> read = read_study(folder_ / "study.json");
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_EQ(study_json(*read), study_json(study));
+  EXPECT_EQ(read->points[0].luminaire, "a" + umlauts.substr(0, 196) + "…");
+  EXPECT_EQ(read->points[0].device, study.points[0].device);
+  EXPECT_EQ(read->points[1].luminaire, "half\uFFFD and \uFFFD");
+  EXPECT_EQ(read->scene.size(), 4'000U);
+  EXPECT_EQ(read->stability[0].case_name, std::string(197, 'c') + "…");
+  EXPECT_EQ(read->stability[1].reason, std::string(3'997, 'r') + "…");
+  EXPECT_EQ(read->figures[0].what, umlauts.substr(0, 196) + "…");
+  const std::string csv = read_text(folder_ / "points.csv");
+  EXPECT_THAT(csv, HasSubstr("half\uFFFD and \uFFFD"));
+  EXPECT_THAT(csv, HasSubstr(",\"no" + std::string(1, '\0') + "thing, \"\"quoted\"\",\r\n\t\x1b[31m\","));
+}
+
+TEST_F(StudyFile, WhatWouldNotBeReadIsNotWritten) {
+  const auto refused = [&](auto change) {
+    Study study = small_study();
+    change(study);
+    const Status written = write_study(study, folder_ / "new");
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "new"));
+    return written ? "written" : written.error().message();
+  };
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(refused([](Study& s) { s.points[1].cost = infinity; }), HasSubstr("points[1].cost: has the wrong type"));
+  EXPECT_THAT(refused([](Study& s) { s.points[1].cost = 1e300; }), HasSubstr("points[1].cost: is out of range"));
+  EXPECT_THAT(refused([](Study& s) { s.points[0].time_ms = -1; }), HasSubstr("points[0].time_ms: is out of range"));
+  EXPECT_THAT(refused([](Study& s) { s.points[0].width_px = 0; }), HasSubstr("points[0].width_px: is out of range"));
+  EXPECT_THAT(refused([](Study& s) { s.figures.resize(10'001); }), HasSubstr("figures: has 10001 elements"));
+  for (const double end : {infinity, -infinity, none}) {
+    Study study = small_study();
+    study.points[0].time_ms = study.stability[0].rel_error = study.figures[0].ours = end;
+    ASSERT_TRUE(write_study(study, folder_));
+    const Result<Study> read = read_study(folder_ / "study.json");
+    ASSERT_TRUE(read) << read.error().message();
+    EXPECT_TRUE(std::isnan(read->points[0].time_ms));
+    EXPECT_TRUE(std::isnan(read->stability[0].rel_error));
+    EXPECT_TRUE(std::isnan(read->figures[0].ours));
+  }
+}
+
 TEST_F(StudyFile, AFolderThatCannotBeMadeIsNamed) {
   support::write_text(folder_ / "file", "");
   const Status written = write_study(small_study(), folder_ / "file" / "study");
