@@ -15,8 +15,11 @@ double percent(const StudyPoint& point) { return 100 * point.rel_rmse; }
 
 bool is_exact(const StudyPoint& point) { return percent(point) < least_error_percent; }
 
-bool is_drawable(const StudyPoint& point) {
-  return std::isfinite(point.time_ms) && point.time_ms > 0 && std::isfinite(percent(point));
+bool is_known(const StudyPoint& point) { return std::isfinite(point.time_ms) && std::isfinite(point.rel_rmse); }
+
+bool is_within_range(const StudyPoint& point) {
+  return point.time_ms >= least_time_ms && point.time_ms <= largest_time_ms && point.rel_rmse >= 0 &&
+         percent(point) <= largest_error_percent;
 }
 
 /// The largest of 1, 2 and 5 times a power of ten that is not above a value, or the least that is not below.
@@ -112,8 +115,10 @@ StudyPlots plots_of(const Study& study) {
   for (const StudyPoint& point : study.points) {
     if (point.width_px != plots.width_px || point.height_px != plots.height_px)
       ++plots.other_size;
-    else if (!is_drawable(point))
+    else if (!is_known(point))
       ++plots.not_finite;
+    else if (!is_within_range(point))
+      ++plots.out_of_range;
     else
       drawn.push_back(point);
   }

@@ -31,10 +31,15 @@ struct StudyPlots {
   int width_px = 0, height_px = 0;  ///< of the pictures whose times are drawn
   int other_size = 0;               ///< points left out: of a picture of another size
   int not_finite = 0;               ///< points left out: without a time or an error
+  int out_of_range = 0;             ///< points left out: no picture takes such a time or has such an error
 };
 
 /// Smaller errors are drawn as exact: they are of float arithmetic's own size.
 inline constexpr double least_error_percent = 1e-3;
+
+/// What a chart may hold, so that its axes stay legible whatever a file holds: times from a nanosecond to a fortnight,
+/// errors from none to a thousand times the picture.
+inline constexpr double least_time_ms = 1e-6, largest_time_ms = 1e9, largest_error_percent = 1e5;
 
 /// The cost at which a method is slowest comes last: more samples, more lights, more pixels and, last, all of them.
 double cost_order(const StudyPoint& point);

@@ -55,6 +55,10 @@ QString caption_of(const StudyPlots& plots) {
   if (has_exact(plots)) parts << QString("↓ at the lower edge: error below %1 %.").arg(least_error_percent);
   if (plots.other_size > 0) parts << QString("Not drawn: %1 at another picture size.").arg(plots.other_size);
   if (plots.not_finite > 0) parts << QString("Not drawn: %1 without a time or an error.").arg(plots.not_finite);
+  if (plots.out_of_range > 0)
+    parts << QString("Not drawn: %1 outside %2 to %3 ms or above %4 %.")
+                 .arg(plots.out_of_range)
+                 .arg(value_text(least_time_ms), value_text(largest_time_ms), value_text(largest_error_percent));
   return parts.join(" ");
 }
 

@@ -40,7 +40,7 @@ TEST(StudyPlots, ConfirmingPointsOfAnotherSizeAndWhatIsNotFiniteAreCounted) {
   study.points = {point(Method::far_field, "car2", 0, 20, 0.3), point(Method::far_field, "bike", 0, 1, 0.2),
                   point(Method::far_field, "bike", 0, 16, 0.2),
                   point(Method::uniform_box, "bike", 8, 2, std::numeric_limits<double>::quiet_NaN()),
-                  point(Method::uniform_box, "bike", 16, 0, 0.1)};
+                  point(Method::uniform_box, "bike", 16, std::numeric_limits<double>::infinity(), 0.1)};
   study.points[2].width_px = 1024;
   study.points[2].height_px = 768;
   const StudyPlots plots = plots_of(study);
@@ -51,6 +51,38 @@ TEST(StudyPlots, ConfirmingPointsOfAnotherSizeAndWhatIsNotFiniteAreCounted) {
   EXPECT_EQ(plots.plots[0].luminaire, "car2");
   ASSERT_EQ(plots.plots[1].series.size(), 1U);
   EXPECT_EQ(plots.plots[1].series[0].line.size(), 1U);
+}
+
+TEST(StudyPlots, WhatNoPictureTakesIsCountedAndLeavesTheAxes) {
+  Study study;
+  study.points = {point(Method::closed_form, "bike", 4, 10, 0.1), point(Method::closed_form, "bike", 8, 100, 0.01)};
+  const StudyPlots sound = plots_of(study);
+  int extreme = 0;
+  for (const double time_ms : {5e-324, 1e-300, 0.0, -1.0, 1e10, 1e300, 1.7e308}) {
+    study.points.push_back(point(Method::closed_form, "bike", 16, time_ms, 0.1));
+    ++extreme;
+  }
+  for (const double rel_rmse : {-1e-300, -1.0, 1e4, 1e300, 1.7e308}) {
+    study.points.push_back(point(Method::closed_form, "bike", 16, 10, rel_rmse));
+    ++extreme;
+  }
+  const StudyPlots plots = plots_of(study);
+  EXPECT_EQ(plots.out_of_range, extreme);
+  EXPECT_EQ(plots.not_finite, 0);
+  EXPECT_EQ(plots.time_from_ms, sound.time_from_ms);
+  EXPECT_EQ(plots.time_to_ms, sound.time_to_ms);
+  EXPECT_EQ(plots.error_from_percent, sound.error_from_percent);
+  EXPECT_EQ(plots.error_to_percent, sound.error_to_percent);
+  EXPECT_EQ(plots.plots[0].series[0].line.size(), 2U);
+  // An error next to none is exact, and the ends of the range have axes.
+  study.points = {point(Method::closed_form, "bike", 0, 10, 1e-300),
+                  point(Method::closed_form, "bike", 2, least_time_ms, largest_error_percent / 100),
+                  point(Method::closed_form, "bike", 4, largest_time_ms, 0.01)};
+  const StudyPlots wide = plots_of(study);
+  EXPECT_EQ(wide.out_of_range, 0);
+  EXPECT_EQ(wide.plots[0].series[0].exact.size(), 1U);
+  EXPECT_NEAR(wide.time_from_ms / least_time_ms, 1, 1e-9);
+  EXPECT_NEAR(wide.time_to_ms / largest_time_ms, 1, 1e-9);
 }
 
 TEST(StudyPlots, DevicesHaveLinesOfTheirOwn) {

@@ -200,6 +200,37 @@ TEST(StudyChart, SaysWhatItLeavesOutAndReadsItsPointsAloud) {
   EXPECT_TRUE(spoken.startsWith("bike, closed-form, T = 4: relative RMSE 10 %, 10 ms"));
 }
 
+TEST(StudyChart, ExtremeFiguresAreLeftOutWithTheirNumberAndTheOthersStayWhereTheyWere) {
+  Study study = two_points();
+  Shown sound(study);
+  const QPointF before = sound.marks("T = 4").at(0)->scenePos();
+  for (const double extreme : {-1.0, 1e300, 1.7e308}) {
+    study.points.push_back({Method::closed_form, "bike", 16, extreme, 0.1, extreme, "d", 256, 192});
+    study.points.push_back({Method::closed_form, "bike", 16, 20, extreme, 1e-300, "d", 256, 192});
+  }
+  study.points.push_back({Method::closed_form, "bike", 1e12, 1e-300, 0.1, 1e300, "d", 256, 192});
+  Shown shown(study);
+  EXPECT_EQ(shown.marks("relative RMSE").size(), 2U);
+  const QPointF after = shown.marks("T = 4").at(0)->scenePos();
+  EXPECT_NEAR(after.x(), before.x(), 0.5);
+  bool told = false;
+  for (const QGraphicsItem* item : shown.scene().items())
+    if (const auto* text = dynamic_cast<const QGraphicsTextItem*>(item))
+      told = told || text->toPlainText().contains("Not drawn: 7 outside 1·10⁻⁶ to 1·10⁹ ms or above 100000 %");
+  EXPECT_TRUE(told);
+}
+
+TEST(StudyChart, ThatFillsTheWholeRangeHasLegibleAxes) {
+  Study study;
+  study.points = {{Method::closed_form, "bike", 2, least_time_ms, largest_error_percent / 100, 1, "d", 256, 192},
+                  {Method::closed_form, "bike", 4, largest_time_ms, 1e-4, 1, "d", 256, 192}};
+  Shown shown(study);
+  const auto at = [&](const char* cost) { return shown.marks(cost).at(0)->scenePos(); };
+  EXPECT_GT(at("T = 4").x() - at("T = 2").x(), 500);
+  EXPECT_GT(at("T = 4").y() - at("T = 2").y(), 200);
+  EXPECT_FALSE(shown.chart.grab().toImage().isNull());
+}
+
 TEST(StudyChart, FollowsTheTheme) {
   Shown shown(two_points());
   apply(Theme::dark);
