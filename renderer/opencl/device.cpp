@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
-#include <utility>
 #include <vector>
 
 #include "renderer/opencl/kernel_source.h"
@@ -226,12 +225,17 @@ void DeviceKernel::set(unsigned number, const DeviceBuffer& buffer) {
 
 void DeviceKernel::set_bytes(unsigned number, const void* value, std::size_t bytes) {
   const int code = clSetKernelArg(handle_.get(), number, bytes, value);
-  if (error_ == 0) error_ = code;
+  if (code == CL_SUCCESS)
+    errors_.erase(number);
+  else
+    errors_[number] = code;
 }
 
 Result<double> OpenClDevice::run(DeviceKernel& kernel, std::size_t items, std::size_t group) {
-  if (const int code = std::exchange(kernel.error_, 0); code != 0)
-    return failed("setting the arguments of " + kernel.name_, code, name());
+  if (!kernel.errors_.empty()) {
+    const auto& [number, code] = *kernel.errors_.begin();
+    return failed("setting argument " + std::to_string(number) + " of " + kernel.name_, code, name());
+  }
   if (items == 0) return 0.0;
   const std::size_t global = (items + group - 1) / group * group;
   cl_event done = nullptr;

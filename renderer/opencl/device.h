@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -33,7 +34,7 @@ class DeviceKernel {
  public:
   DeviceKernel() = default;
 
-  /// Sets the argument of this number; an error is kept and reported by OpenClDevice::run.
+  /// Sets the argument of this number; an error is kept, and reported by OpenClDevice::run, until it is set again.
   void set(unsigned number, const DeviceBuffer& buffer);
   template <class T>
   void set(unsigned number, const T& value) {
@@ -45,7 +46,7 @@ class DeviceKernel {
   void set_bytes(unsigned number, const void* value, std::size_t bytes);
   std::shared_ptr<_cl_kernel> handle_;
   std::string name_;
-  int error_ = 0;
+  std::map<unsigned, int> errors_;  ///< by argument, those not set
 };
 
 /// One OpenCL device with its context and its in-order queue: the only user of OpenCL in the program, OpenCL C 1.2.
