@@ -44,8 +44,10 @@ struct PreviewFrame {
 struct PreviewPace {
   double frame = 0.04;    ///< least time from frame to frame
   double coarse = 0.055;  ///< a coarse picture is to take about as long; half of it while a scan runs
-  double slice = 0.05;    ///< a full picture is made in pieces of this time, and what has come meanwhile is looked at
-  double moment = 0.1;    ///< without a cell, after which a coarse picture gives way to the full one
+  /// A full picture is made in pieces of this time, one of a camera that moves of twice as much; in between what has
+  /// come is looked at.
+  double slice = 0.05;
+  double moment = 0.1;  ///< without a cell, after which a coarse picture gives way to the full one
 };
 
 /// The render thread: it owns the Renderer for life, takes cells as they come, and hands out pictures, at most 25 a

@@ -77,11 +77,14 @@ void PreviewWorker::take_method(const MethodSettings& method) {
   method_ = method;
   costs_ = {};
   last_error_.clear();
+  drawn_.reset();
   view_changed_ = true;
 }
 
 /// Hands the renderer the luminaire and its cells.
 void PreviewWorker::light() {
+  drawn_.reset();
+  held_.clear();
   view_changed_ = true;
   const Status set = renderer_->set_luminaire(*geometry_);
   lit_ = set.has_value();
@@ -96,10 +99,24 @@ void PreviewWorker::take_cell(PreviewCommands::Cell cell) {
   burst_ = cell.handed_in - last_cell_at_ < seconds(pace_.moment) ? burst_ + 1 : 1;
   last_cell_at_ = std::max(last_cell_at_, cell.handed_in);
   fresh_.try_emplace(cell.cell, cell.handed_in);
-  cells_[cell.cell] = cell.image;
+  cells_[cell.cell] = std::move(cell.image);
   if (!lit_) return;
-  dirty_ = true;
-  if (const Status kept = renderer_->keep_cell(cell.cell, std::move(cell.image)); !kept) report(kept.error());
+  held_.insert(cell.cell);
+  if (!holds_cells()) let_in();
+}
+
+/// A method that computes all cells together begins anew with each: they wait for the end of a hasty picture, and for
+/// the view that is to follow it.
+bool PreviewWorker::holds_cells() const {
+  if (!drawn_ || !hasty_ || method_.method == Method::closed_form) return false;
+  return view_changed_ || (dirty_ && renderer_->waiting() > 0);
+}
+
+void PreviewWorker::let_in() {
+  for (const CellIndex cell : std::exchange(held_, {})) {
+    dirty_ = true;
+    if (const Status kept = renderer_->keep_cell(cell, cells_.at(cell)); !kept) report(kept.error());
+  }
 }
 
 void PreviewWorker::report(const Error& error) {

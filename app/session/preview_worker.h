@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 
 #include "app/session/preview_commands.h"
 #include "app/session/preview_detail.h"
@@ -10,7 +11,8 @@ namespace lumifield {
 /// What the render thread does, in pieces of at most some 0.1 s: `take` what has come, `step`, wait as `step` says.
 ///
 /// A view is first drawn, then handed over, then its cells are summed, then it is shown; a newer view starts anew at
-/// any of these. The sums have caught up when none of the view's cells waited once; from then on a picture may be shown
+/// any of these, but for a hasty picture, which another scene, luminaire or method alone ends before it is shown. The
+/// sums have caught up when none of the view's cells waited once; from then on a picture may be shown
 /// while more wait. Thread-bound.
 class PreviewWorker {
  public:
@@ -41,6 +43,8 @@ class PreviewWorker {
   void take_luminaire(const PreviewCommands::Luminaire& luminaire);
   void take_cell(PreviewCommands::Cell cell);
   void light();
+  bool holds_cells() const;
+  void let_in();
   void take_method(const MethodSettings& method);
   void report(const Error& error);
 
@@ -83,8 +87,9 @@ class PreviewWorker {
   bool view_changed_ = true, look_changed_ = false;
   std::optional<PreviewDetail> drawn_;  ///< empty before anything is
   View drawn_view_;
-  bool hasty_ = false;  ///< coarse, or of a camera that moves: made at one go
+  bool hasty_ = false;  ///< coarse, or of a camera that moves: made to its end
   bool handed_over_ = false;
+  std::set<CellIndex> held_;  ///< cells that would begin a hasty picture anew: the renderer gets them after it
   bool caught_up_ = false;
   bool dirty_ = false;  ///< drawn or summed since the last frame
   std::shared_ptr<const PreviewFrame> last_;

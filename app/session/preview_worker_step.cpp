@@ -16,6 +16,8 @@ constexpr double short_wait_s = 0.15;
 constexpr int many_cells = 8;
 /// While many cells come, a picture that grows is shown this often.
 constexpr double refresh_s = 0.1;
+/// A hasty picture that takes as long as it is meant to is one piece.
+constexpr double hasty_slices = 2;
 /// The scan gets the cores back after so much work without a frame.
 constexpr double longest_work_s = 0.25, longest_rest_s = 0.25;
 
@@ -51,7 +53,8 @@ PreviewWorker::Next PreviewWorker::work() {
   }
   if (!renderer_ || !lit_ || stuck_) return {};
 
-  // Draw, hand over, sum or show: what comes next. A hasty picture is made to its end, since newer views come faster.
+  // Draw, hand over, sum or show: what comes next. A hasty picture is made to its end, whatever view or cell comes in
+  // between: newer ones may come faster than any is made.
   const bool under_way = drawn_ && hasty_ && dirty_;
   const PreviewDetail detail = under_way ? *drawn_ : detail_wanted(now);
   if (!under_way && (view_changed_ || drawn_ != detail)) {
@@ -66,7 +69,8 @@ PreviewWorker::Next PreviewWorker::work() {
     return {{}, Clock::now()};
   }
   const bool waits = renderer_->waiting() > 0;
-  const bool refresh = waits && dirty_ && caught_up_ && sum_s_ > 0 && now >= last_frame_at_ + seconds(refresh_s);
+  const bool refresh =
+      waits && dirty_ && !hasty_ && caught_up_ && sum_s_ > 0 && now >= last_frame_at_ + seconds(refresh_s);
   if (waits && !refresh) {
     sum();
     return {{}, Clock::now()};
@@ -107,6 +111,7 @@ PreviewDetail PreviewWorker::resting_detail(Clock::time_point now) const {
 void PreviewWorker::draw(PreviewDetail detail) {
   const Clock::time_point start = Clock::now();
   drawn_.reset();
+  let_in();
   const int width = divided(view_.width_px, detail.divisor), height = divided(view_.height_px, detail.divisor);
   if (const Status viewed = renderer_->set_view(view_.camera, width, height, detail.lod); !viewed)
     return stop_at(viewed.error());
@@ -135,7 +140,8 @@ void PreviewWorker::hand_over() {
 void PreviewWorker::sum() {
   const Clock::time_point start = Clock::now();
   const int before = renderer_->waiting();
-  if (const Status done = renderer_->sum_some(hasty_ ? 1e9 : pace_.slice); !done) return stop_at(done.error());
+  if (const Status done = renderer_->sum_some(hasty_ ? hasty_slices * pace_.slice : pace_.slice); !done)
+    return stop_at(done.error());
   caught_up_ = caught_up();
   dirty_ = true;
   const double took_s = seconds_since(start);
@@ -165,7 +171,7 @@ void PreviewWorker::show() {
   frame.sum_s = std::exchange(sum_s_, 0);
   Clock::time_point oldest = Clock::time_point::max();
   for (auto cell = fresh_.begin(); cell != fresh_.end();) {
-    const bool in = !renderer_->waits(cell->first);
+    const bool in = !held_.contains(cell->first) && !renderer_->waits(cell->first);
     if (in) oldest = std::min(oldest, cell->second);
     cell = in ? fresh_.erase(cell) : std::next(cell);
   }
@@ -177,6 +183,7 @@ void PreviewWorker::show() {
   const double pixels = drawn_view_.pixels() / (detail.divisor * detail.divisor);
   costs_.shown(detail, pixels, last_->show_s);
   if (!detail.full()) coarse_took_s_ += last_->show_s;
+  if (!holds_cells()) let_in();
 }
 
 /// The last picture with another look.

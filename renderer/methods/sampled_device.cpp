@@ -13,6 +13,8 @@ namespace {
 constexpr std::size_t work_group = 64;
 /// Samples of the first band, before their time is known.
 constexpr double first_samples = 1e5;
+/// Of a later one where the caller must not be held up: receivers that see nothing take no time and foretell none.
+constexpr double most_band_samples = 3e6;
 
 }  // namespace
 
@@ -78,7 +80,9 @@ Status SampledDevice::begin() {
 std::size_t SampledDevice::band(double seconds) const {
   const auto all = static_cast<double>(receivers());
   const double each_s = next_ > 0 ? kernel_s_ / static_cast<double>(next_) : 0;
-  const double fit = !std::isfinite(seconds) ? all : each_s > 0 ? seconds / each_s : first_samples / shared_.samples;
+  const double fit = !std::isfinite(seconds) ? all
+                     : each_s > 0            ? std::min(seconds / each_s, most_band_samples / shared_.samples)
+                                             : first_samples / shared_.samples;
   return static_cast<std::size_t>(std::max(std::min(fit, all), static_cast<double>(work_group)));
 }
 

@@ -1,4 +1,6 @@
+#include <future>
 #include <gmock/gmock.h>
+#include <thread>
 
 #include "tests/app/live_preview_fixture.h"
 
@@ -57,6 +59,78 @@ TEST_F(LivePreviewTest, AMethodThatIsRefusedLeavesTheOneBefore) {
   const FramePtr frame = told_.full(all_, from);
   ASSERT_NE(frame, nullptr);
   EXPECT_EQ(frame->method.method, Method::closed_form);
+}
+
+/// Minutes of a coarse picture of a camera that moves, in bands of receivers of a second or so.
+class ADearPictureOfACameraThatMoves : public LivePreviewTest {
+ protected:
+  void SetUp() override {
+    LivePreviewTest::SetUp();
+    if (IsSkipped()) return;
+    live = hasty();
+    live->set_size(4096, 3072);
+    live->set_scene(scene_);
+    live->set_luminaire(geometry_);
+    add_all(*live);
+    live->set_camera(camera(200), true);
+    ASSERT_NE(told_.frame([&](const PreviewFrame& f) { return f.camera.position_mm.x() == 200; }), nullptr);
+    from = told_.frames();
+    live->set_method(dear);
+    // Long enough for it to be begun; where it is not, there is less to interrupt.
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+  }
+  const MethodSettings dear{.method = Method::uniform_box, .samples = 1e6};
+  std::unique_ptr<LivePreview> live;
+  std::size_t from = 0;
+};
+
+TEST_F(ADearPictureOfACameraThatMoves, EndsWithAnotherMethod) {
+  live->set_method({});
+  const FramePtr next = told_.frame([](const PreviewFrame&) { return true; }, from);
+  ASSERT_NE(next, nullptr);
+  EXPECT_EQ(next->method.method, Method::closed_form);
+}
+
+TEST_F(ADearPictureOfACameraThatMoves, EndsWithAnotherScene) {
+  live->set_scene(scene_);
+  EXPECT_TRUE(told_.ready(2));
+  EXPECT_EQ(told_.frames(), from);
+}
+
+TEST_F(ADearPictureOfACameraThatMoves, EndsWithThePreview) {
+  std::future<void> ended = std::async(std::launch::async, [this] { live.reset(); });
+  EXPECT_EQ(ended.wait_for(patience), std::future_status::ready);
+  EXPECT_EQ(told_.frames(), from);
+}
+
+TEST_F(LivePreviewTest, ViewsAndCellsThatComeFasterThanAPictureDoNotKeepItFromComing) {
+  auto live = preview({.coarse = 0, .slice = 1e-4});
+  live->set_size(2048, 1536);
+  live->set_method({.method = Method::uniform_box, .samples = 1000});
+  live->set_scene(scene_);
+  live->set_luminaire(geometry_);
+  add_all(*live);
+  const auto views = [&] {
+    std::set<double> seen;
+    for (const FramePtr& frame : told_.all()) seen.insert(frame->camera.position_mm.x());
+    return seen.size();
+  };
+  const auto end = std::chrono::steady_clock::now() + patience;
+  unsigned moves = 0;
+  while (views() < 5 && std::chrono::steady_clock::now() < end) {
+    live->set_camera(camera(++moves % 900), true);
+    live->add({0, 0}, image_of(geometry_, moves % 10));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_GE(views(), 5U) << moves << " moves";
+  // The last cell and the last view are in the picture in the end.
+  live->set_size(width, height);
+  live->add({0, 0}, image_of(geometry_, 0));
+  live->set_camera(camera(-200), false);
+  const FramePtr last =
+      told_.frame([](const PreviewFrame& f) { return !f.coarse && f.camera.position_mm.x() == -200; });
+  ASSERT_NE(last, nullptr);
+  EXPECT_EQ(last->cells, all_);
 }
 
 }  // namespace
