@@ -151,9 +151,8 @@ INLINE int is_lit(const ClosedFormReceiver receiver) {
 }
 
 // What follows from the receiver alone.
-INLINE ReceiverView view_of(const ClosedFormGeometry* geometry, ClosedFormReceiver receiver,
+INLINE ReceiverView view_of(const ClosedFormGeometry* geometry, const ClosedFormReceiver receiver,
                             __global const ClosedFormLevel* levels) {
-  receiver.p_z = fmax(receiver.p_z, LEAST_HEIGHT);
   const double2 spacing = (double2)(geometry->spacing_x, geometry->spacing_y);
   const double2 pixel = (double2)(geometry->pixel_x, geometry->pixel_y);
   const double2 pixels_per_mm = (double2)(geometry->pixels_per_mm_x, geometry->pixels_per_mm_y);

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "renderer/methods/axis_weights.h"
-#include "renderer/methods/closed_form_shared.h"
 #include "renderer/methods/horizon.h"
 #include "renderer/methods/image_levels.h"
 
@@ -114,9 +113,8 @@ void ClosedForm::Impl::add(const Receiver& receiver, const Values& values, std::
 
 std::vector<double> ClosedForm::Impl::sum_of(const Receiver& receiver, bool deviation) const {
   std::vector<double> sum(geometry.channels.size(), 0.0);
-  if (!(receiver.p_mm.z() > 0)) return sum;
-  Receiver at = receiver;
-  at.p_mm.z() = std::max(at.p_mm.z(), LEAST_HEIGHT);
+  const Receiver at = at_lit_height(receiver);
+  if (!(at.p_mm.z() > 0)) return sum;
   const int of_receiver = level(at);
   for (const Cell& cell : cells) add(at, {cell, of_receiver, deviation}, sum);
   return sum;

@@ -156,7 +156,8 @@ Status ClosedFormDevice::Impl::take_receivers(const std::vector<ClosedFormReceiv
 Status ClosedFormDevice::set_receivers(std::span<const Receiver> receivers) {
   std::vector<ClosedFormReceiver> all;
   all.reserve(receivers.size());
-  for (const Receiver& r : receivers) all.push_back({r.p_mm.x(), r.p_mm.y(), r.p_mm.z(), r.n.x(), r.n.y(), r.n.z()});
+  for (const Receiver& r : receivers)
+    all.push_back({r.p_mm.x(), r.p_mm.y(), lit_height_mm(r.p_mm.z()), r.n.x(), r.n.y(), r.n.z()});
   return impl_->take_receivers(all);
 }
 
@@ -167,7 +168,7 @@ Status ClosedFormDevice::set_receivers(std::span<const float> p_xyzw, std::span<
   all.resize(p_xyzw.size() / 4);
   in_bands(all.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
-      all[k] = {p_xyzw[4 * k], p_xyzw[4 * k + 1], p_xyzw[4 * k + 2],
+      all[k] = {p_xyzw[4 * k], p_xyzw[4 * k + 1], lit_height_mm(p_xyzw[4 * k + 2]),
                 n_xyzw[4 * k], n_xyzw[4 * k + 1], n_xyzw[4 * k + 2]};
   });
   return impl_->take_receivers(all);

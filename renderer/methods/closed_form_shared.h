@@ -34,10 +34,6 @@ typedef struct ClosedFormCell {
   int column;       ///< of the run's grid
 } ClosedFormCell;
 
-/// A receiver nearer to U than this, mm, but in front of it, counts as this far from it: E is continuous there and
-/// changes by some 1e-9 at most, while the pixels that it sees, ever narrower on U, could not be placed in double.
-#define LEAST_HEIGHT 1e-9
-
 /// The rows and columns that a run over many cells spans, at most these of each.
 #define GRID_CELLS 16
 typedef struct ClosedFormGrid {

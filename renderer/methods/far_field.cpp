@@ -172,8 +172,9 @@ Result<std::unique_ptr<FarField>> FarField::create(const LightField& light_field
 Result<std::vector<double>> FarField::irradiance(const Receiver& receiver, std::uint32_t) const {
   const LuminaireGeometry& g = light_field_.geometry();
   std::vector<double> e(g.channels.size(), 0.0);
-  const Vec3 p = receiver.p_mm - Vec3(g.sampling.center_mm.x(), g.sampling.center_mm.y(), 0);
-  const double facing = -receiver.n.dot(p), delta = g.planes.separation_mm;
+  const Receiver at = at_lit_height(receiver);
+  const Vec3 p = at.p_mm - Vec3(g.sampling.center_mm.x(), g.sampling.center_mm.y(), 0);
+  const double facing = -at.n.dot(p), delta = g.planes.separation_mm;
   if (!(p.z() > 0) || !(facing > 0)) return e;
   // δ²/cos³θ · (−n·p)/d · 1/d², with cosθ = p_z/d.
   const double factor = delta * delta * facing / (p.z() * p.z() * p.z());
@@ -189,7 +190,7 @@ Result<Estimate> FarField::estimate(const Receiver& receiver, std::uint32_t numb
   const ReceiverView view(g, basis_, receiver);
   if (!view.in_front()) return result;
 
-  const double z = receiver.p_mm.z(), delta = g.planes.separation_mm;
+  const double z = lit_height_mm(receiver.p_mm.z()), delta = g.planes.separation_mm;
   const Vec2 spacing = g.sampling.spacing_mm, n = receiver.n.head<2>(), center = g.sampling.center_mm;
   const Vec2 q = (receiver.p_mm.head<2>() - center) * (delta / z);
   const double factor = delta * delta * spacing.prod() / (z * z * z);

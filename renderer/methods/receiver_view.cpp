@@ -6,9 +6,9 @@
 namespace lumifield {
 
 ReceiverView::ReceiverView(const LuminaireGeometry& geometry, const Basis& basis, const Receiver& receiver)
-    : geometry_(&geometry), basis_(&basis), receiver_(receiver), half_(basis.half_support()) {
+    : geometry_(&geometry), basis_(&basis), receiver_(at_lit_height(receiver)), half_(basis.half_support()) {
   if (!in_front()) return;
-  const double delta = geometry.planes.separation_mm, z = receiver.p_mm.z();
+  const double delta = geometry.planes.separation_mm, z = receiver_.p_mm.z();
   const Vec2 a = geometry.sampling.spacing_mm;
   factor_ = delta * delta * a.x() * a.y() / (z * z * z);
   rate_ = (z - delta) / z * a.cwiseQuotient(geometry.measurement.pixel_mm);

@@ -17,7 +17,7 @@ class ReceiverView {
  public:
   ReceiverView(const LuminaireGeometry& geometry, const Basis& basis, const Receiver& receiver);
 
-  /// Not behind U: else the irradiance is 0.
+  /// In front of U: else the irradiance is 0.
   bool in_front() const { return receiver_.p_mm.z() > 0; }
   double delta_mm() const { return receiver_.p_mm.z() - geometry_->planes.separation_mm; }  ///< Δ
   /// Pixels of S per unit of τ, negative between the planes.

@@ -55,7 +55,8 @@ Status SampledDevice::open(std::string_view source, const std::string& function,
 Status SampledDevice::take_receivers(std::span<const Receiver> receivers) {
   std::vector<SamplingReceiver> all;
   all.reserve(receivers.size());
-  for (const Receiver& r : receivers) all.push_back({r.p_mm.x(), r.p_mm.y(), r.p_mm.z(), r.n.x(), r.n.y(), r.n.z()});
+  for (const Receiver& r : receivers)
+    all.push_back({r.p_mm.x(), r.p_mm.y(), lit_height_mm(r.p_mm.z()), r.n.x(), r.n.y(), r.n.z()});
   if (Status written = upload(receivers_, all, "receivers"); !written) return written;
   const std::vector<double> none(all.size() * channels(), 0.0);
   return upload(sums_, none, "irradiance");

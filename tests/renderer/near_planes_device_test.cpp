@@ -7,6 +7,7 @@
 #include "renderer/methods/host_method.h"
 #include "renderer/methods/position_dependent_printed.h"
 #include "renderer/renderer.h"
+#include "renderer/study/synthetic_luminaire.h"
 
 namespace lumifield {
 namespace {
@@ -54,14 +55,14 @@ double apart(const LightField& field, const MethodSettings& settings, const std:
   return std::sqrt(squares / all);
 }
 
-class NearS : public testing::Test {
+class NearPlanes : public testing::Test {
  protected:
   void SetUp() override {
     if (const auto found = probe_opencl(); !found) GTEST_SKIP() << found.error().message();
   }
 };
 
-TEST_F(NearS, PrecomputedLightsLieWhereTheHostHasThem) {
+TEST_F(NearPlanes, PrecomputedLightsNearSLieWhereTheHostHasThem) {
   // A million lights in one pixel of 4000, of which a support of 1e-4 pixels shows about a hundred. Pixels are as much
   // narrower along y, so that there a support spans half a pixel.
   const LightField field = row_of_pixels(5, 1e-3, 4000, 3000);
@@ -70,11 +71,66 @@ TEST_F(NearS, PrecomputedLightsLieWhereTheHostHasThem) {
   EXPECT_LT(apart(field, {.method = Method::precomputed_lights, .samples = 1e6}, at), 1e-4);
 }
 
-TEST_F(NearS, ThePrintedMethodHasItsDigitsAtItsLimit) {
+TEST_F(NearPlanes, ThePrintedMethodHasItsDigitsAtItsLimit) {
   const LightField field = row_of_pixels(1, 1, 300, 250);
   std::vector<Receiver> at;
   for (int k = 0; k < 20; ++k) at.push_back(at_span(field, 1.001 * printed_least_span_px, 0.03 * k - 0.3));
   EXPECT_LT(apart(field, {.method = Method::position_dependent_printed, .samples = 50}, at), 1e-5);
+}
+
+LightField whole_luminaire() {
+  return make_luminaire({.name = "small",
+                         .separation_mm = 60,
+                         .spacing_mm = 16,
+                         .columns = 4,
+                         .rows = 3,
+                         .pixels = 70,
+                         .pixel_mm = 1,
+                         .lobes = 8,
+                         .spread_mm = 30,
+                         .least_width_mm = 2,
+                         .greatest_width_mm = 12},
+                        1);
+}
+
+TEST_F(NearPlanes, WhatIsNearerToUCountsAsThatNearAndOnUThereIsNoLight) {
+  const LightField field = whole_luminaire();
+  const double heights[] = {least_height_mm, 0.99 * least_height_mm, 1e-104, 1e-200, 5e-324, 0.0, -0.0, -1e-110};
+  for (const MethodInfo& each : methods()) {
+    if (each.method == Method::position_dependent_printed) continue;  // has no answer between the planes
+    const MethodSettings settings{.method = each.method, .samples = 1000};
+    const auto host = make_host_method(field, settings).value();
+    const auto device = make_device_method(field.geometry(), settings).value();
+    ASSERT_TRUE(device->set_cells(field));
+    for (const Vec3& n : {Vec3(0, 0, -1), Vec3(0.3, -0.2, -0.9)}) {
+      double least[2] = {};
+      for (const double z : heights) {
+        const Receiver at{{3.3, -2.1, z}, n.normalized()};
+        std::vector<double> got;
+        ASSERT_TRUE(device->set_receivers(std::span(&at, 1)));
+        ASSERT_TRUE(device->evaluate(HUGE_VAL).value());
+        ASSERT_TRUE(device->read(got));
+        const double e = host->estimate(at, 0).value().irradiance[0];
+        if (z == least_height_mm) {
+          least[0] = e;
+          least[1] = got[0];
+          EXPECT_GT(e, 0) << each.name;
+        }
+        EXPECT_EQ(e, z > 0 ? least[0] : 0) << each.name << ", " << z;
+        EXPECT_EQ(got[0], z > 0 ? least[1] : 0) << each.name << ", " << z;
+      }
+    }
+  }
+}
+
+TEST(NearU, TheClosedFormHasItsLimitThere) {
+  // E is continuous down to U: what a hundred-thousandth of a millimetre changes is far less than 1e-5.
+  const ClosedForm form(whole_luminaire());
+  for (const Vec3& n : {Vec3(0, 0, -1), Vec3(0.3, -0.2, -0.9)}) {
+    const double limit = form.irradiance({{3.3, -2.1, 1e-5}, n})[0];
+    for (const double z : {1e-6, 1e-7, 1e-8, least_height_mm})
+      EXPECT_NEAR(form.irradiance({{3.3, -2.1, z}, n})[0], limit, 1e-5 * limit) << z;
+  }
 }
 
 }  // namespace
