@@ -168,22 +168,21 @@ INLINE Draw search_y(const SamplingGeometry* g, __global const double* column, c
 INLINE void add_samples(const SamplingGeometry* g, const View* view, const SamplingCell* cell, const Box* box, int on_u,
                         double all, __global const float* image, __global const double* table,
                         __global const double* columns, __global const float2* points, int id, int count, double* sum) {
-  const float height = center_height(view, cell->u_x, cell->u_y);
+  const double height = center_height(view, cell->u_x, cell->u_y);
   const uint first = first_point(g, (uint)cell->number, (uint)id);
   float marginal[WIDEST + BLOCK + 1];
   const int vectors = !PLAIN && box->count.x <= WIDEST;
   if (!on_u && vectors) fill_marginal(g, table, box, all, marginal);
-  const float2 center = convert_float2(box->center - convert_double2(box->first));
-  const float2 per_rate = convert_float2(1 / view->rate);
+  const double2 center = box->center - convert_double2(box->first), per_rate = 1 / view->rate;
   for (int k = 0; k < count; ++k) {
     const float2 xi = sample_point(g, points, cell, first, k);
-    float2 tau;
+    double2 tau;
     int pixel;
     float ratio = 1;
     if (on_u) {
-      tau = (float)HALF * (2 * xi - 1);
+      tau = convert_double2((float)HALF * (2 * xi - 1));
       const double2 spacing = (double2)(g->spacing_x, g->spacing_y);
-      const double2 at = on_s_px(g, view, (double2)(cell->u_x, cell->u_y) + spacing * convert_double2(tau));
+      const double2 at = on_s_px(g, view, (double2)(cell->u_x, cell->u_y) + spacing * tau);
       if (!(at.x >= 0 && at.x < g->width && at.y >= 0 && at.y < g->height)) continue;
       pixel = (int)at.y * g->stride + (int)at.x;
     } else {
@@ -191,7 +190,7 @@ INLINE void add_samples(const SamplingGeometry* g, const View* view, const Sampl
       __global const double* column = columns + (size_t)(box->first.x + x.pixel) * g->column_stride;
       const Draw y = vectors ? draw_y(g, column, box, xi.y) : search_y(g, column, box, xi.y);
       pixel = (box->first.y + y.pixel) * g->stride + box->first.x + x.pixel;
-      tau = ((float2)(x.at, y.at) - center) * per_rate;
+      tau = ((double2)(x.at, y.at) - center) * per_rate;
 #if STEPS == 2
       sum[0] += tau.x + tau.y + pixel;
       continue;
@@ -199,7 +198,8 @@ INLINE void add_samples(const SamplingGeometry* g, const View* view, const Sampl
       const float importance = importance_at(g, image, pixel);
       ratio = importance > 0 ? 1 / importance : 0;
     }
-    const float weight = ratio * phi(tau.x) * phi(tau.y) * fmax(height + dot(view->slope, tau), 0.0f);
+    const float facing = (float)fmax(height + dot(view->slope, tau), 0.0);
+    const float weight = ratio * phi((float)tau.x) * phi((float)tau.y) * facing;
     for (int c = 0; c < CHANNELS; ++c) sum[c] += weight * image[c * g->plane + pixel];
   }
 }

@@ -11,10 +11,10 @@
 #include "renderer/methods/sampling_shared.h"
 #include "renderer/methods/sampling_view.clh"
 
-// How far sixteen lights lie from a support's centre along one axis, pixels. Near each other two floats differ exactly, so
-// that what is left of both decides.
-INLINE float16 apart(__global const float* place, int plane, float center, float rest) {
-  return (vload16(0, place) - center) + (vload16(0, place + plane) - rest);
+// How far sixteen lights lie from a place along one axis, pixels. Near each other two floats differ exactly, so that what
+// is left of both decides.
+INLINE float16 apart(__global const float* place, int plane, float near, float rest) {
+  return (vload16(0, place) - near) + (vload16(0, place + plane) - rest);
 }
 
 // lights: planes of `plane`: x of all, and what float leaves of it; y of all, and what is left; then each channel's value
@@ -24,23 +24,31 @@ __kernel void precomputed_lights(const SamplingGeometry geometry, __global const
                                  __global double* sums) {
   const int id = geometry.first_receiver + (int)get_global_id(0);
   if (id >= geometry.receivers || unlit(receivers[id])) return;
-  const View view = view_of(&geometry, receivers[id]);
+  const SamplingReceiver at = receivers[id];
+  const View view = view_of(&geometry, at);
   if (view.rate.x == 0) return;
-  const float2 per_rate = convert_float2(1 / view.rate);
+  const float2 per_rate = convert_float2(1 / view.rate), slope = convert_float2(view.slope / view.rate);
+  const double2 p = ((double2)(at.p_x, at.p_y) - (double2)(geometry.corner_x, geometry.corner_y)) /
+                    (double2)(geometry.pixel_x, geometry.pixel_y);
   double sum[CHANNELS];
   for (int c = 0; c < CHANNELS; ++c) sum[c] = 0;
   for (int m = 0; m < geometry.cells; ++m) {
     const SamplingCell cell = cells[m];
-    const double2 at = on_s_px(&geometry, &view, (double2)(cell.u_x, cell.u_y));
-    const float2 center = convert_float2(at), rest = convert_float2(at - convert_double2(center));
-    const float height = center_height(&view, cell.u_x, cell.u_y);
+    // Places count from where the support's centre shows, between the planes from p, about which n·(u − p) is linear too:
+    // near U it is of the size of the height there, and cancels about the centre.
+    const double2 center = on_s_px(&geometry, &view, (double2)(cell.u_x, cell.u_y));
+    const double2 origin = view.r < 0 ? p : center;
+    const float2 near = convert_float2(origin), rest = convert_float2(origin - convert_double2(near));
+    const float2 off = convert_float2(origin - center);
+    const float height = (float)(view.r < 0 ? -at.n_z * at.p_z : center_height(&view, cell.u_x, cell.u_y));
     float16 part[CHANNELS];
     for (int c = 0; c < CHANNELS; ++c) part[c] = 0;
     for (int k = cell.first_light; k < cells[m + 1].first_light; k += 16) {
-      const float16 x = apart(lights + k, geometry.plane, center.x, rest.x) * per_rate.x;
-      const float16 y = apart(lights + 2 * geometry.plane + k, geometry.plane, center.y, rest.y) * per_rate.y;
-      const float16 g = height + view.slope.x * x + view.slope.y * y;
-      const float16 weight = phi_of_16(x) * phi_of_16(y) * fmax(g, (float16)0);
+      const float16 x = apart(lights + k, geometry.plane, near.x, rest.x);
+      const float16 y = apart(lights + 2 * geometry.plane + k, geometry.plane, near.y, rest.y);
+      const float16 g = height + slope.x * x + slope.y * y;
+      const float16 weight =
+          phi_of_16((x + off.x) * per_rate.x) * phi_of_16((y + off.y) * per_rate.y) * fmax(g, (float16)0);
       for (int c = 0; c < CHANNELS; ++c) part[c] += weight * vload16(0, lights + (4 + c) * geometry.plane + k);
     }
     for (int c = 0; c < CHANNELS; ++c) {

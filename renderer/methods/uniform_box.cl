@@ -27,7 +27,7 @@ __kernel void uniform_box(const SamplingGeometry geometry, __global const Sampli
     count += kappa;
     const int samples = (int)(floor(count) - before);
     const double2 u_m = (double2)(cell.u_x, cell.u_y), spacing = (double2)(geometry.spacing_x, geometry.spacing_y);
-    const float height = center_height(&view, cell.u_x, cell.u_y);
+    const double height = center_height(&view, cell.u_x, cell.u_y);
     __global const float* image = images + (size_t)m * CHANNELS * geometry.plane;
     const uint first = first_point(&geometry, (uint)cell.number, (uint)id);
     for (int k = 0; k < samples; ++k) {
@@ -35,8 +35,8 @@ __kernel void uniform_box(const SamplingGeometry geometry, __global const Sampli
       const float2 tau = (float)HALF * (2 * xi - 1);
       const double2 at = on_s_px(&geometry, &view, u_m + spacing * convert_double2(tau));
       if (!(at.x >= 0 && at.x < geometry.width && at.y >= 0 && at.y < geometry.height)) continue;
-      const float g = height + dot(view.slope, tau);
-      const float weight = phi(tau.x) * phi(tau.y) * fmax(g, 0.0f);
+      const double g = height + dot(view.slope, convert_double2(tau));
+      const float weight = phi(tau.x) * phi(tau.y) * (g > 0 ? (float)g : 0);
       const int pixel = (int)at.y * geometry.stride + (int)at.x;
       for (int c = 0; c < CHANNELS; ++c) sum[c] += weight * image[c * geometry.plane + pixel];
     }

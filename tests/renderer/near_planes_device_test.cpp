@@ -93,6 +93,16 @@ LightField whole_luminaire() {
                         1);
 }
 
+TEST_F(NearPlanes, KernelsKeepTheirDigitsNearU) {
+  const LightField field = whole_luminaire();
+  for (const Method method : {Method::closed_form, Method::position_dependent, Method::precomputed_lights}) {
+    std::vector<Receiver> at;
+    for (const double z : {1e-1, 1e-3, 1e-5, 1e-6, 1e-7, 1e-8, 1.01 * least_height_mm})
+      for (const Vec3& n : {Vec3(0, 0, -1), Vec3(0.3, -0.2, -0.9)}) at.push_back({{3.3, -2.1, z}, n.normalized()});
+    EXPECT_LT(apart(field, {.method = method, .samples = 1000}, at), 1e-5) << to_string(method);
+  }
+}
+
 TEST_F(NearPlanes, WhatIsNearerToUCountsAsThatNearAndOnUThereIsNoLight) {
   const LightField field = whole_luminaire();
   const double heights[] = {least_height_mm, 0.99 * least_height_mm, 1e-104, 1e-200, 5e-324, 0.0, -0.0, -1e-110};
