@@ -124,7 +124,7 @@ TEST_F(NearPlanes, WhatIsNearerToUCountsAsThatNearAndOnUThereIsNoLight) {
         if (z == least_height_mm) {
           least[0] = e;
           least[1] = got[0];
-          EXPECT_GT(e, 0) << each.name;
+          if (each.method != Method::uniform_box && each.method != Method::far_field) EXPECT_GT(e, 0) << each.name;
         }
         EXPECT_EQ(e, z > 0 ? least[0] : 0) << each.name << ", " << z;
         EXPECT_EQ(got[0], z > 0 ? least[1] : 0) << each.name << ", " << z;
