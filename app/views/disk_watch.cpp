@@ -2,7 +2,8 @@
 
 #include <condition_variable>
 #include <mutex>
-#include <thread>
+
+#include "app/session/beside.h"
 
 namespace lumifield {
 
@@ -16,7 +17,8 @@ struct DiskWatch::Watch : std::enable_shared_from_this<Watch> {
 
   void run();
   void look();
-  void post(std::error_code code, double free_bytes);
+  /// `fault` is empty where the room is known.
+  void post(const std::string& fault, double free_bytes);
 };
 
 namespace {
@@ -44,22 +46,24 @@ void DiskWatch::Watch::run() {
 void DiskWatch::Watch::look() {
   std::error_code code;
   const std::filesystem::space_info space = std::filesystem::space(nearest(folder), code);
-  post(code, code ? 0 : static_cast<double>(space.available));
+  if (code)
+    post(folder.string() + ": the disk's room cannot be read: " + code.message() + "; check that it is mounted", 0);
+  else
+    post({}, static_cast<double>(space.available));
 }
 
-void DiskWatch::Watch::post(std::error_code code, double free_bytes) {
+void DiskWatch::Watch::post(const std::string& fault, double free_bytes) {
   std::lock_guard lock(mutex);
   if (!reader) return;
   DiskWatch* const to = reader;
   QMetaObject::invokeMethod(
       to,
-      [self = shared_from_this(), to, code, free_bytes] {
+      [self = shared_from_this(), to, fault, free_bytes] {
         if (to->watch_ != self) return;
-        if (code)
-          emit to->failed(QString::fromStdString(self->folder.string() + ": the disk's room cannot be read: " +
-                                                 code.message() + "; check that it is mounted"));
-        else
+        if (fault.empty())
           emit to->roomRead(free_bytes);
+        else
+          emit to->failed(QString::fromStdString(fault));
       },
       Qt::QueuedConnection);
 }
@@ -83,7 +87,9 @@ void DiskWatch::watch(const std::filesystem::path& folder) {
   watch_->folder = folder;
   watch_->period = period_;
   watch_->reader = this;
-  std::thread([watch = watch_] { watch->run(); }).detach();
+  run_beside(
+      "the disk's room", [watch = watch_] { watch->run(); },
+      [watch = watch_](const Error& error) { watch->post(error.message(), 0); });
 }
 
 }  // namespace lumifield

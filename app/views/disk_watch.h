@@ -9,7 +9,7 @@ namespace lumifield {
 
 /// Looks every few seconds how much room the disk of a folder has, on a thread of its own. A folder that is not there
 /// yet counts as its nearest parent that is. A file server that hangs holds up that thread only: it is left behind, and
-/// nothing waits for it. GUI thread.
+/// nothing waits for it (beside.h). GUI thread.
 class DiskWatch : public QObject {
   Q_OBJECT
 

@@ -3,8 +3,9 @@
 #include <QObject>
 #include <cstdint>
 #include <mutex>
-#include <thread>
 #include <utility>
+
+#include "app/session/beside.h"
 
 namespace lumifield {
 
@@ -23,7 +24,7 @@ LatestReading::~LatestReading() {
 
 void LatestReading::begin(std::function<std::function<void()>()> read) {
   std::lock_guard lock(link_->mutex);
-  std::thread([link = link_, number = ++link_->latest, read = std::move(read)] {
+  const auto work = [link = link_, number = ++link_->latest, read = std::move(read)] {
     const std::function<void()> take = read();
     std::lock_guard posting(link->mutex);
     if (!link->owner) return;
@@ -37,7 +38,8 @@ void LatestReading::begin(std::function<std::function<void()>()> read) {
           take();
         },
         Qt::QueuedConnection);
-  }).detach();
+  };
+  run_beside("reading", work, [](const Error& error) { qWarning("%s", error.message().c_str()); });
 }
 
 }  // namespace lumifield

@@ -8,7 +8,7 @@ class QObject;
 namespace lumifield {
 
 /// Reads files on threads of their own. Of several readings only the latest counts; one that hangs (a file server that
-/// does not answer) is left behind, and nothing waits for it. GUI thread.
+/// does not answer) is left behind (beside.h), and nothing waits for it. What one throws is logged. GUI thread.
 class LatestReading {
  public:
   /// `owner` outlives this.

@@ -3,9 +3,9 @@
 #include <QStringList>
 #include <array>
 #include <mutex>
-#include <thread>
 #include <utility>
 
+#include "app/session/beside.h"
 #include "app/session/guarded.h"
 #include "app/session/preview_memory.h"
 
@@ -143,7 +143,18 @@ void LuminaireModel::give_up(LoadPointer& load) {
 void LuminaireModel::load(const std::filesystem::path& folder) {
   give_up(opening_);
   opening_ = std::make_shared<Load>(this);
-  std::thread([load = opening_, folder] { read(load, folder); }).detach();
+  run_beside(
+      "opening", [load = opening_, folder] { read(load, folder); },
+      [load = opening_](const Error& error) { end(load, error); });
+}
+
+/// Whether it has begun or not.
+void LuminaireModel::end(const LoadPointer& load, const Error& error) {
+  load->post(load, [load, message = text(error.message())](LuminaireModel& model) {
+    for (LoadPointer* each : {&model.opening_, &model.arriving_})
+      if (*each == load) each->reset();
+    emit model.loadFailed(message);
+  });
 }
 
 void LuminaireModel::take_begun(const LoadPointer& load, const Manifest& manifest) {
@@ -159,17 +170,11 @@ void LuminaireModel::take_begun(const LoadPointer& load, const Manifest& manifes
 
 /// On the load's thread.
 void LuminaireModel::read(const LoadPointer& load, const std::filesystem::path& folder) {
-  const auto fail = [&](const Error& error) {
-    load->post(load, [message = text(error.message())](LuminaireModel& model) {
-      model.opening_.reset();
-      emit model.loadFailed(message);
-    });
-  };
-  const Result<DatasetIndex> index = guarded("opening", [&] { return read_dataset_index(folder); });
-  if (!index) return fail(index.error());
+  const Result<DatasetIndex> index = read_dataset_index(folder);
+  if (!index) return end(load, index.error());
   // Every cell's image is kept.
   if (const Status fits = check_preview_memory(index->manifest.geometry, physical_memory_bytes()); !fits)
-    return fail(fits.error());
+    return end(load, fits.error());
   load->post(load, [load, manifest = index->manifest](LuminaireModel& model) { model.take_begun(load, manifest); });
   QStringList notes = texts(index->notes);
   for (const CellEntry& entry : index->manifest.cells) {

@@ -50,8 +50,9 @@ class LuminaireModel : public QObject {
   void set_waiting(const std::set<CellIndex>& cells);
 
   /// Reads a dataset in a thread of its own: resetDone and loadBegan, then cellChanged for each, then loaded; or
-  /// loadFailed, which changes nothing. A load under way goes on until this one begins. Of several that have not begun
-  /// the last counts. One that hangs is left behind: nothing waits for it.
+  /// loadFailed, which changes nothing but where memory ends amid the cells: those that came stay. A load under way
+  /// goes on until this one begins. Of several that have not begun the last counts. One that hangs is left behind
+  /// (beside.h): nothing waits for it.
   void load(const std::filesystem::path& folder);
   /// One that has not begun.
   void give_up_opening() { give_up(opening_); }
@@ -76,6 +77,7 @@ class LuminaireModel : public QObject {
   using LoadPointer = std::shared_ptr<Load>;
   static void give_up(LoadPointer& load);
   static void read(const LoadPointer& load, const std::filesystem::path& folder);
+  static void end(const LoadPointer& load, const Error& error);
   void take_begun(const LoadPointer& load, const Manifest& manifest);
 
   std::optional<LuminaireGeometry> geometry_;

@@ -3,12 +3,14 @@
 #include <QApplication>
 #include <QSettings>
 #include <QSocketNotifier>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "app/session/beside.h"
 #include "app/views/main_window.h"
 #include "app/views/theme.h"
 
@@ -53,9 +55,7 @@ class CloseOnSignal {
 
 QString text(const std::string& utf8) { return QString::fromStdString(utf8); }
 
-}  // namespace
-
-int run_window(int argc, char** argv, const WindowOptions& options) {
+int show_window(int argc, char** argv, const WindowOptions& options) {
   if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY") && !std::getenv("QT_QPA_PLATFORM")) {
     std::fprintf(stderr, "%s\n", no_display);
     return 1;
@@ -76,6 +76,15 @@ int run_window(int argc, char** argv, const WindowOptions& options) {
   if (!options.bench.empty() && !options.plan.empty())
     window.new_scan(text(options.bench), text(options.plan), text(options.out), options.start);
   return QApplication::exec();
+}
+
+}  // namespace
+
+int run_window(int argc, char** argv, const WindowOptions& options) {
+  const int code = show_window(argc, argv, options);
+  if (beside_ended(std::chrono::seconds(1))) return code;
+  std::fflush(nullptr);
+  _exit(code);
 }
 
 }  // namespace lumifield

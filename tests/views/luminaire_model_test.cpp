@@ -6,6 +6,8 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+#include "app/session/beside.h"
+
 namespace lumifield {
 namespace {
 
@@ -84,6 +86,25 @@ TEST(LuminaireModel, LoadsAHalfDatasetAndSaysWhyItCannot) {
   model.load(path / "none");
   ASSERT_TRUE(failed.wait());
   EXPECT_EQ(model.measured(), 1);  // what was there stays
+}
+
+TEST(LuminaireModel, ThatGoesAmidALoadLeavesNoThreadBehind) {
+  QTemporaryDir folder;
+  const std::filesystem::path path = folder.filePath("lamp.lumi").toStdString();
+  Manifest manifest;
+  manifest.geometry = geometry();
+  auto writer = DatasetWriter::create(path, manifest);
+  ASSERT_TRUE(writer) << writer.error().message();
+  ASSERT_TRUE(writer->add({1, 2}, image(2), {0, 0}));
+  bool known = false;
+  for (int k = 0; k < 20; ++k) {
+    LuminaireModel model;
+    model.load(path);
+    model.load(path / "none");
+    known = known || !beside_ended(std::chrono::milliseconds(0));
+  }
+  EXPECT_TRUE(known) << "to whoever ends the program";
+  EXPECT_TRUE(beside_ended(std::chrono::minutes(1)));
 }
 
 }  // namespace
