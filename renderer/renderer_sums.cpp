@@ -90,13 +90,13 @@ Status Renderer::Impl::sum(const std::vector<int>& flats) {
 
 Status Renderer::Impl::add(const std::vector<int>& flats) {
   std::vector<CellIndex> indices;
-  std::vector<const CellImage*> images;
+  std::vector<std::shared_ptr<const CellImage>> images;
   for (const int flat : flats) {
     const CellIndex index = geometry->sampling.index(flat);
-    const CellImage *image = cells[static_cast<std::size_t>(flat)].get(),
-                    *before = summed[static_cast<std::size_t>(flat)].get();
+    const auto& image = cells[static_cast<std::size_t>(flat)];
+    const auto& before = summed[static_cast<std::size_t>(flat)];
     if (before || flats.size() == 1) {
-      if (const Status added = device->add_cell(index, *image, before); !added) return added;
+      if (const Status added = device->add_cell(index, *image, before.get()); !added) return added;
       continue;
     }
     indices.push_back(index);

@@ -81,6 +81,9 @@ class ClosedFormDevice {
   Status add_cell(CellIndex cell, const CellImage& image, const CellImage* replaces = nullptr);
   /// Adds many in one go (a whole dataset after a change of view).
   Status add_cells(std::span<const CellIndex> cells, std::span<const CellImage* const> images);
+  /// The same of images that do not change: where the device has just these, all of them, it keeps them from one set of
+  /// receivers to the next with as much or as little detail. Holds them until others come.
+  Status add_cells(std::span<const CellIndex> cells, std::span<const std::shared_ptr<const CellImage>> images);
 
   /// E, receiver-major: receivers · channels.
   Status read(std::vector<float>& irradiance);

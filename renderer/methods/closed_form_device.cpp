@@ -51,8 +51,11 @@ struct ClosedFormDevice::Impl {
   DeviceImages layout;
   DeviceBuffer receivers, levels, sums;
   DeviceBuffer cells, images, centers, row_begins;
-  std::vector<ClosedFormReceiver> of_picture;  ///< kept for its memory
-  double next_lod = 0;                         ///< of the next receivers
+  std::span<const std::shared_ptr<const CellImage>> offered;  ///< of the call under way, to be held
+  std::vector<std::shared_ptr<const CellImage>> held;         ///< so that those on the device stay what they are
+  std::vector<const CellImage*> on_device;                    ///< of `held`, as `images` has them in this layout
+  std::vector<ClosedFormReceiver> of_picture;                 ///< kept for its memory
+  double next_lod = 0;                                        ///< of the next receivers
   double last_kernel_s = 0;
 
   std::size_t channels() const { return geometry.channels.size(); }
@@ -139,7 +142,9 @@ Status ClosedFormDevice::Impl::take_receivers(const std::vector<ClosedFormReceiv
     return fail("has NaN or Inf", "receiver " + std::to_string(*bad), "give finite numbers");
   if (all.size() > std::size_t(1) << 30) return fail("more than 2^30 receivers", "receivers", "render in parts");
   shared.receivers = 0;  // until these are there
+  const std::size_t image_floats_before = layout.image_floats();
   layout = DeviceImages(geometry, next_lod > 0);
+  if (layout.image_floats() != image_floats_before) on_device.clear();
   shared.lod = next_lod;
   shared.levels = static_cast<int>(layout.levels().size());
   shared.plane = static_cast<int>(layout.plane_floats());
@@ -182,12 +187,18 @@ Status ClosedFormDevice::Impl::fill(DeviceBuffer& buffer, const std::vector<T>& 
 }
 
 Status ClosedFormDevice::Impl::upload(std::span<const BatchCell> batch) {
+  std::vector<const CellImage*> wanted;
+  for (const BatchCell& each : batch) wanted.push_back(each.image);
+  if (wanted == on_device) return {};
+  on_device.clear();
+  held.assign(offered.begin(), offered.end());
   if (auto room = make_room(images, batch.size() * cell_bytes(), "cell images"); !room) return room;
   std::vector<float> packed;
   for (std::size_t k = 0; k < batch.size(); ++k) {
     layout.pack(*batch[k].image, packed);
     if (auto written = device->write(images, k * cell_bytes(), bytes_of(packed)); !written) return written;
   }
+  if (!held.empty()) on_device = std::move(wanted);
   return {};
 }
 
@@ -276,6 +287,16 @@ Status ClosedFormDevice::add_cells(std::span<const CellIndex> cells, std::span<c
     return std::pair(tile_of(a.index), a.index) < std::pair(tile_of(b.index), b.index);
   });
   return impl_->add(batch);
+}
+
+Status ClosedFormDevice::add_cells(std::span<const CellIndex> cells,
+                                   std::span<const std::shared_ptr<const CellImage>> images) {
+  std::vector<const CellImage*> pointers;
+  for (const auto& image : images) pointers.push_back(image.get());
+  impl_->offered = images;
+  const Status added = add_cells(cells, pointers);
+  impl_->offered = {};
+  return added;
 }
 
 Status ClosedFormDevice::read(std::vector<double>& irradiance) {

@@ -106,6 +106,34 @@ TEST_P(ClosedFormDeviceSums, CellsOneByOneSumToTheSame) {
   }
 }
 
+TEST_P(ClosedFormDeviceSums, ImagesThatAreHeldStayOnTheDevice) {
+  const Cells cells = cells_of(*field_);
+  const auto changed = std::make_shared<CellImage>(*cells.kept[0]);
+  const auto sums = [&](const std::vector<std::shared_ptr<const CellImage>>& images) {
+    EXPECT_TRUE(device_->set_receivers(receivers_));
+    EXPECT_TRUE(device_->add_cells(cells.indices, images));
+    return sums_of(*device_);
+  };
+  std::vector<std::shared_ptr<const CellImage>> held = cells.kept;
+  const std::vector<double> exact = sums(held);
+  held[0] = changed;
+  EXPECT_EQ(sums(held), exact);
+  // Nobody may change one that is held: here it shows that it is not uploaded again, with other receivers neither.
+  for (float& v : changed->value) v *= 2;
+  EXPECT_EQ(sums(held), exact);
+  // Others are: an image by itself, another one, all of them at another level of detail.
+  held[0] = std::make_shared<CellImage>(*changed);
+  const std::vector<double> doubled = sums(held);
+  EXPECT_NE(doubled, exact);
+  ASSERT_TRUE(device_->add_cell(cells.indices[1], *cells.images[1]));
+  EXPECT_EQ(sums(held), doubled);
+  for (const double lod : {8.0, 0.0}) {
+    ASSERT_TRUE(device_->set_lod(lod));
+    EXPECT_EQ(sums(held) == doubled, lod == 0);
+  }
+  EXPECT_EQ(sums(cells.kept), exact);
+}
+
 TEST_P(ClosedFormDeviceSums, ARetakenCellLeavesNoTrace) {
   const LightField other =
       random_luminaire(field_->geometry().sampling.basis, static_cast<int>(field_->geometry().channels.size()), 99);
