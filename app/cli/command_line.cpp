@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <limits>
 
 #include "app/cli/commands.h"
 
@@ -50,11 +51,27 @@ CLI::Validator level_of_detail() {
     double pixels = 0;
     const char* end = text.data() + text.size();
     const auto [after, wrong] = std::from_chars(text.data(), end, pixels);
-    const bool good = wrong == std::errc() && after == end && std::isfinite(pixels) && pixels >= 0;
-    return good ? std::string() : "'" + text + "' is not a number of pixels; give 0 (exact) or more";
+    const bool number = wrong == std::errc() && after == end && std::isfinite(pixels);
+    const bool good = number && (pixels == 0 || pixels >= least_lod);
+    return good ? std::string() : "'" + text + "' is not a number of pixels per support; give 0 (exact), or 1 or more";
   };
   return {fault, "PIXELS"};
 }
+CLI::Validator number(const char* kind, double least, double most) {
+  const auto fault = [=](const std::string& text) {
+    double value = 0;
+    const char* end = text.data() + text.size();
+    const auto [after, wrong] = std::from_chars(text.data(), end, value);
+    const bool good = wrong == std::errc() && after == end && value >= least && value <= most;
+    return good ? std::string() : "'" + text + "' is not " + kind;
+  };
+  return {fault, "NUMBER"};
+}
+CLI::Validator positive() {
+  return number("a number above 0", std::numeric_limits<double>::min(), std::numeric_limits<double>::max());
+}
+CLI::Validator not_below_zero() { return number("a number of 0 or more", 0, std::numeric_limits<double>::max()); }
+CLI::Validator sample_count() { return number("a number of samples from 1 to 10 million", 1, most_samples); }
 CLI::Validator method_name() {
   std::vector<std::string> names;
   for (const MethodInfo& each : methods()) names.emplace_back(each.name);
@@ -81,23 +98,45 @@ void add_scan(CLI::App& app, ScanOptions& o) {
   scan->add_option("--preview", o.preview, "Scene file: pictures of it are made after 5, 50 and 100 % of the cells");
   scan->add_option("--pictures", o.pictures, "Folder for these pictures (default: beside the dataset)");
   scan->add_option("--size", o.size, "Size of these pictures")->check(picture_size())->capture_default_str();
-  scan->add_option("--exposure", o.exposure, "Exposure of their tone curve")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  scan->add_option("--exposure", o.exposure, "Exposure of their tone curve")->check(positive())->capture_default_str();
   scan->add_flag("--json", o.json, "Print the summary as one JSON object");
+}
+
+std::string described_methods() {
+  std::string text = "How the light is computed:";
+  for (const MethodInfo& each : methods()) {
+    text += "\n" + std::string(each.name) + ": " + std::string(each.what);
+    if (each.samples > 0) text += " (usual --samples: " + std::to_string(static_cast<int>(each.samples)) + ")";
+  }
+  return text + "\n";
+}
+
+/// What was given for a method that has no use for it, or more than it takes: wrong use.
+void check_use(const CLI::App& app, const std::string& method, double samples) {
+  const MethodInfo& chosen = info(method_from_string(method).value_or(Method::closed_form));
+  if (app.count("--lod") > 0 && chosen.cost != MethodCost::pixels_per_support)
+    throw CLI::ValidationError("--lod", "is of closed-form alone; " + method + " has no level of detail");
+  for (const char* option : {"--samples", "--seed"})
+    if (app.count(option) > 0 && chosen.samples == 0)
+      throw CLI::ValidationError(option, method + " takes none; leave it out");
+  if (chosen.cost == MethodCost::lights && samples > most_lights)
+    throw CLI::ValidationError("--samples", method + " takes 4 million lights at most");
 }
 
 template <class Options>
 void add_method(CLI::App& app, Options& o) {
-  app.add_option("--method", o.method, "How the light is computed")->check(method_name())->capture_default_str();
-  app.add_option("--lod", o.lod,
-                 "closed-form: level of detail, pixels of an image per support of a cell and axis; 0 is exact")
+  app.add_option("--method", o.method, described_methods())->check(method_name())->capture_default_str();
+  app.add_option(
+         "--lod", o.lod,
+         "closed-form: level of detail, pixels of an image per support of a cell and axis, 1 or more; 0 is exact")
       ->check(level_of_detail())
       ->capture_default_str();
-  app.add_option("--samples", o.samples, "Samples for each receiver; precomputed-lights: lights in all")
-      ->check(CLI::Range(1.0, most_samples))
-      ->capture_default_str();
+  app.add_option("--samples", o.samples,
+                 "Samples for each receiver, up to 10 million; precomputed-lights: lights in all, up to 4 million "
+                 "(default: the method's usual)")
+      ->check(sample_count());
   app.add_option("--seed", o.seed, "Seed of the samples")->capture_default_str();
+  app.final_callback([&app, &o] { check_use(app, o.method, o.samples); });
 }
 
 void add_render(CLI::App& app, RenderOptions& o) {
@@ -107,10 +146,10 @@ void add_render(CLI::App& app, RenderOptions& o) {
   add_method(*render, o);
   render->add_option("--size", o.size, "Picture size")->check(picture_size())->capture_default_str();
   render->add_option("--exposure", o.exposure, "Exposure of the tone curve (PNG)")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   render->add_option("--white", o.white, "Radiance that the tone curve takes as average; 0: the picture's own")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_below_zero());
   render->add_option("--out", o.out, "Linear radiance (EXR) or tone-mapped (PNG); a file of that name is replaced")
       ->check(picture_file())
       ->required();
@@ -127,9 +166,14 @@ void add_probe(CLI::App& app, ProbeOptions& o) {
       ->check(CLI::IsMember({"host", "opencl"}))
       ->capture_default_str();
   probe
-      ->add_option("--out", o.out,
-                   "CSV to write: the same points with a column E_<channel> each; a file of that name is replaced")
+      ->add_option(
+          "--out", o.out,
+          "CSV to write: the same points with a column E_<channel> each, in W/m^2 or lx as the dataset has it; "
+          "a file of that name is replaced")
       ->required();
+  probe->add_flag("--stated-error", o.stated_error,
+                  "A column stated_error_<channel> too, same unit: of samplers one standard deviation (and the known "
+                  "bias), of the others a bound");
   probe->add_flag("--json", o.json, "Print the figures as one JSON object");
 }
 
@@ -179,7 +223,9 @@ int run(int argc, char** argv, RunWindow window, WriteStudyChart write_chart) {
   CLI::App app("Lumifield scans lamps into light field luminaires and shows how they light a scene.", "lumifield");
   app.set_version_flag("--version", "lumifield " LUMIFIELD_VERSION);
   app.require_subcommand(0, 1);
-  app.footer("Without a sub-command the window opens: lumifield [NAME.lumi] [--bench B --plan P --out D [--start]].");
+  app.description(
+      app.get_description() +
+      "\nWithout a sub-command the window opens: lumifield [NAME.lumi] [--bench B --plan P --out D [--start]].");
   WindowOptions window_options;
   add_window(app, window_options);
   ScanOptions scan;

@@ -29,8 +29,8 @@ int run_scan(const ScanOptions& options);
 struct RenderOptions {
   std::string luminaire, scene, method = "closed-form", size = "1024x768", out;
   double exposure = default_exposure, white = 0;
-  double lod = 0;        ///< pixels per support and axis, 0 exact
-  double samples = 200;  ///< K for each receiver, or lights in all
+  double lod = 0;      ///< pixels per support and axis, 0 exact
+  double samples = 0;  ///< K for each receiver, or lights in all; 0: the method's usual
   std::uint32_t seed = 1;
   bool json = false;
 };
@@ -38,9 +38,10 @@ int run_render(const RenderOptions& options);
 
 struct ProbeOptions {
   std::string luminaire, points, method = "closed-form", device = "host", out;
-  double lod = 0;        ///< pixels per support and axis, 0 exact
-  double samples = 200;  ///< K for each receiver, or lights in all
+  double lod = 0;      ///< pixels per support and axis, 0 exact
+  double samples = 0;  ///< K for each receiver, or lights in all; 0: the method's usual
   std::uint32_t seed = 1;
+  bool stated_error = false;  ///< how far off each value may be, too
   bool json = false;
 };
 int run_probe(const ProbeOptions& options);
@@ -68,10 +69,12 @@ int run_study_command(const StudyOptions& options, WriteStudyChart write_chart);
 /// Of --method, --lod, --samples and --seed, which were checked.
 template <class Options>
 MethodSettings method_settings(const Options& options) {
-  return {.method = method_from_string(options.method).value_or(Method::closed_form),
-          .lod = options.lod,
-          .samples = options.samples,
-          .seed = options.seed};
+  MethodSettings settings{.method = method_from_string(options.method).value_or(Method::closed_form),
+                          .lod = options.lod,
+                          .seed = options.seed};
+  const double usual = info(settings.method).samples;
+  if (options.samples > 0 || usual > 0) settings.samples = options.samples > 0 ? options.samples : usual;
+  return settings;
 }
 
 /// "1024x768" → width, height, each 1 … 16384.

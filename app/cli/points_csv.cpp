@@ -94,22 +94,26 @@ Result<std::vector<Receiver>> read_points_csv(const std::filesystem::path& file)
 }
 
 Status write_points_csv(const std::filesystem::path& file, const std::vector<Receiver>& points,
-                        const std::vector<std::string>& channels, const std::vector<double>& irradiance) {
+                        const std::vector<std::string>& channels, const std::vector<double>& irradiance,
+                        const std::vector<double>& stated_error) {
   std::string text = "x_mm,y_mm,z_mm,nx,ny,nz";
   for (const std::string& channel : channels) text += ",E_" + channel;
+  if (!stated_error.empty())
+    for (const std::string& channel : channels) text += ",stated_error_" + channel;
   text += '\n';
   char number[40];
   for (std::size_t k = 0; k < points.size(); ++k) {
     const auto& [p, n] = points[k];
     for (double v : {p.x(), p.y(), p.z(), n.x(), n.y(), n.z()}) {
-      std::snprintf(number, sizeof number, "%.17g,", v);
-      text += number;
+      text.append(number, std::to_chars(number, number + sizeof number, v).ptr);
+      text += ',';
     }
-    for (std::size_t c = 0; c < channels.size(); ++c) {
-      std::snprintf(number, sizeof number, c + 1 < channels.size() ? "%.9g," : "%.9g\n",
-                    irradiance[k * channels.size() + c]);
-      text += number;
-    }
+    for (const std::vector<double>* values : {&irradiance, &stated_error})
+      for (std::size_t c = 0; c < channels.size() && !values->empty(); ++c) {
+        std::snprintf(number, sizeof number, "%.9g,", (*values)[k * channels.size() + c]);
+        text += number;
+      }
+    text.back() = '\n';
   }
   return write_file_durably(file, text);
 }

@@ -14,9 +14,10 @@ namespace lumifield {
 /// that are not of unit length to 1e-3 (they are then normalised exactly), naming line and column.
 Result<std::vector<Receiver>> read_points_csv(const std::filesystem::path& file);
 
-/// The same columns and one E_<channel> each; nine significant digits for E, seventeen for the points. Through a
-/// temporary name.
+/// The same columns and one E_<channel> each, then one stated_error_<channel> each where these are given; nine
+/// significant digits for them, for the points as many as they need. Through a temporary name.
 Status write_points_csv(const std::filesystem::path& file, const std::vector<Receiver>& points,
-                        const std::vector<std::string>& channels, const std::vector<double>& irradiance);
+                        const std::vector<std::string>& channels, const std::vector<double>& irradiance,
+                        const std::vector<double>& stated_error = {});
 
 }  // namespace lumifield

@@ -28,4 +28,15 @@ int print_result(const Result<nlohmann::ordered_json>& result, bool json,
   return exit_done;
 }
 
+nlohmann::ordered_json method_summary(const MethodSettings& settings) {
+  const MethodInfo& method = info(settings.method);
+  nlohmann::ordered_json summary{{"method", method.name}};
+  if (method.cost == MethodCost::pixels_per_support) summary["lod"] = settings.lod;
+  if (method.samples > 0) {
+    summary[method.cost == MethodCost::lights ? "lights" : "samples"] = settings.samples;
+    summary["seed"] = settings.seed;
+  }
+  return summary;
+}
+
 }  // namespace lumifield

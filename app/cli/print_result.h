@@ -5,6 +5,7 @@
 #include <string>
 
 #include "luminaire/error.h"
+#include "renderer/methods/method.h"
 
 namespace lumifield {
 
@@ -15,5 +16,8 @@ std::string dump_json(const nlohmann::ordered_json& json);
 /// code.
 int print_result(const Result<nlohmann::ordered_json>& result, bool json,
                  const std::function<std::string(const nlohmann::ordered_json&)>& words);
+
+/// What a summary says of a method: what it has use for.
+nlohmann::ordered_json method_summary(const MethodSettings& settings);
 
 }  // namespace lumifield

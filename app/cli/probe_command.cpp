@@ -14,6 +14,11 @@ namespace lumifield {
 
 namespace {
 
+/// As people count.
+std::string point_name(std::size_t k, std::size_t count) {
+  return "point " + std::to_string(k + 1) + " of " + std::to_string(count);
+}
+
 Result<std::vector<double>> probe_host(const LightField& light_field, const std::vector<Receiver>& points,
                                        const MethodSettings& settings) {
   const auto form = make_host_method(light_field, settings);
@@ -21,7 +26,7 @@ Result<std::vector<double>> probe_host(const LightField& light_field, const std:
   std::vector<double> irradiance;
   for (std::size_t k = 0; k < points.size(); ++k) {
     const auto e = (*form)->irradiance(points[k], static_cast<std::uint32_t>(k));
-    if (!e) return fail_in("point " + std::to_string(k), e.error());
+    if (!e) return fail_in(point_name(k, points.size()), e.error());
     irradiance.insert(irradiance.end(), e->begin(), e->end());
   }
   return irradiance;
@@ -39,6 +44,20 @@ Result<std::vector<double>> probe_opencl_device(const LightField& light_field, c
   return irradiance;
 }
 
+/// By the host form, whichever computes the light.
+Result<std::vector<double>> stated_errors(const LightField& light_field, const std::vector<Receiver>& points,
+                                          const MethodSettings& settings) {
+  const auto form = make_host_method(light_field, settings);
+  if (!form) return tl::unexpected(form.error());
+  std::vector<double> stated;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const auto estimate = (*form)->estimate(points[k], static_cast<std::uint32_t>(k));
+    if (!estimate) return fail_in(point_name(k, points.size()), estimate.error());
+    stated.insert(stated.end(), estimate->stated_error.begin(), estimate->stated_error.end());
+  }
+  return stated;
+}
+
 Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
   auto points = read_points_csv(options.points);
   if (!points) return tl::unexpected(points.error());
@@ -51,20 +70,32 @@ Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
                  coverage.total - coverage.measured, coverage.total);
 
   const MethodSettings settings = method_settings(options);
+  if (settings.method == Method::reference && options.device == "opencl")
+    return fail("the reference has no OpenCL form", "--device", "take host, or the closed form");
   const auto start = std::chrono::steady_clock::now();
   auto irradiance = options.device == "opencl" ? probe_opencl_device(dataset->light_field, *points, settings)
                                                : probe_host(dataset->light_field, *points, settings);
   if (!irradiance) return tl::unexpected(irradiance.error());
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
+  std::vector<double> stated;
+  if (options.stated_error) {
+    auto errors = stated_errors(dataset->light_field, *points, settings);
+    if (!errors) return tl::unexpected(errors.error());
+    stated = std::move(*errors);
+  }
   const LuminaireGeometry& geometry = dataset->light_field.geometry();
-  if (Status written = write_points_csv(options.out, *points, geometry.channels, *irradiance); !written)
+  if (Status written = write_points_csv(options.out, *points, geometry.channels, *irradiance, stated); !written)
     return tl::unexpected(written.error());
-  return nlohmann::ordered_json{{"points", points->size()},   {"method", options.method},
-                                {"device", options.device},   {"lod", options.lod},
-                                {"samples", options.samples}, {"unit", irradiance_unit_of(geometry.quantity)},
-                                {"cells", coverage.measured}, {"cells_total", coverage.total},
-                                {"time_s", seconds},          {"out", options.out}};
+  nlohmann::ordered_json summary{{"points", points->size()}};
+  summary.update(method_summary(settings));
+  summary.update(nlohmann::ordered_json{{"device", options.device},
+                                        {"unit", irradiance_unit_of(geometry.quantity)},
+                                        {"cells", coverage.measured},
+                                        {"cells_total", coverage.total},
+                                        {"time_s", seconds},
+                                        {"out", options.out}});
+  return summary;
 }
 
 }  // namespace

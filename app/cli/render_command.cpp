@@ -44,20 +44,19 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
 
   const Coverage coverage = dataset->light_field.coverage();
   const RendererInfo info = (*renderer)->info();
-  return nlohmann::ordered_json{{"out", options.out},
-                                {"method", options.method},
-                                {"lod", options.lod},
-                                {"samples", options.samples},
-                                {"width_px", size->first},
-                                {"height_px", size->second},
-                                {"cells", coverage.measured},
-                                {"cells_total", coverage.total},
-                                {"time_s", seconds},
-                                {"kernel_s", (*renderer)->last_kernel_s()},
-                                {"average_luminance", average_luminance(*picture)},
-                                {"left_out", picture->note},
-                                {"opengl", info.opengl},
-                                {"opencl", info.opencl}};
+  nlohmann::ordered_json summary{{"out", options.out}};
+  summary.update(method_summary(method_settings(options)));
+  summary.update(nlohmann::ordered_json{{"width_px", size->first},
+                                        {"height_px", size->second},
+                                        {"cells", coverage.measured},
+                                        {"cells_total", coverage.total},
+                                        {"time_s", seconds},
+                                        {"kernel_s", (*renderer)->last_kernel_s()},
+                                        {"average_luminance", average_luminance(*picture)},
+                                        {"left_out", picture->note},
+                                        {"opengl", info.opengl},
+                                        {"opencl", info.opencl}});
+  return summary;
 }
 
 }  // namespace

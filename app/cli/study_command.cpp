@@ -11,6 +11,7 @@
 #include "app/cli/study_report.h"
 #include "app/session/study_file.h"
 #include "luminaire/dataset.h"
+#include "luminaire/manifest.h"
 #include "luminaire/scene.h"
 #include "renderer/study/reference_cache.h"
 #include "renderer/study/run_study.h"
@@ -38,6 +39,8 @@ Result<bool> prepare_folder(const fs::path& folder, bool force) {
   std::error_code wrong;
   if (!force && fs::exists(folder / study_file_name, wrong))
     return fail("there is a study already", folder.string(), "name another folder, or replace it with --force");
+  if (fs::exists(folder / manifest_name, wrong))
+    return fail("that is a dataset", folder.string(), "name another folder with --out");
   const bool made = fs::create_directories(folder, wrong);
   if (!wrong && access(folder.c_str(), W_OK) != 0) wrong = std::error_code(errno, std::generic_category());
   if (wrong)
@@ -47,7 +50,7 @@ Result<bool> prepare_folder(const fs::path& folder, bool force) {
 
 Result<StudyLuminaire> read_luminaire(const std::string& text) {
   for (const SyntheticLuminaire& each : table_1_luminaires())
-    if (each.name == text) return StudyLuminaire{text, make_luminaire(each)};
+    if (each.name == text) return StudyLuminaire{text, make_luminaire(each), true};
   auto dataset = read_dataset(text);
   if (!dataset) return tl::unexpected(dataset.error());
   for (const std::string& note : dataset->index.notes) std::fprintf(stderr, "lumifield: note: %s\n", note.c_str());

@@ -44,6 +44,7 @@ void run_beside(const char* where, std::function<void()> work, std::function<voi
   const auto count = [](int change) {
     const std::lock_guard lock(running().mutex);
     running().count += change;
+    running().ended.notify_all();
   };
   count(1);
   const Status begun = guarded(where, [&]() -> Status {

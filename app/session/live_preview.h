@@ -31,6 +31,7 @@ struct PreviewFrame {
   double scale_top = 0;         ///< luminance at the false-colour scale's end, dataset's unit
   double average = 0;           ///< L̄ that the tone curve took
   int cells = 0, total = 0;     ///< in the picture, and of the grid
+  int measured = 0;             ///< handed in, be they in the picture or not yet
   bool coarse = false;          ///< fewer pixels or a coarser level of detail than asked for, while the view moves
   std::uint64_t luminaire = 0;  ///< LivePreview::luminaire of its cells
   double draw_s = 0;            ///< seconds spent on drawing the view and handing it over; 0 for that of the last frame
@@ -44,8 +45,8 @@ struct PreviewFrame {
 struct PreviewPace {
   double frame = 0.04;    ///< least time from frame to frame
   double coarse = 0.055;  ///< a coarse picture is to take about as long; half of it while a scan runs
-  /// A full picture is made in pieces of this time, one of a camera that moves of twice as much; in between what has
-  /// come is looked at.
+  /// A full picture is made in pieces of this time, a coarse one, or of a camera that moves, of twice as much; in
+  /// between what has come is looked at.
   double slice = 0.05;
   double moment = 0.1;  ///< without a cell, after which a coarse picture gives way to the full one
 };

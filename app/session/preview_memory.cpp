@@ -1,7 +1,8 @@
 #include "app/session/preview_memory.h"
 
 #include <cstdio>
-#include <unistd.h>
+
+#include "renderer/methods/table_memory.h"
 
 namespace lumifield {
 
@@ -16,8 +17,6 @@ Status check_preview_memory(const LuminaireGeometry& geometry, double memory_byt
   return fail(text, "preview", "scan without a preview, or plan fewer cells or pixels");
 }
 
-double physical_memory_bytes() {
-  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
+double physical_memory_bytes() { return host_memory_bytes(); }
 
 }  // namespace lumifield

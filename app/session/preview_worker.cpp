@@ -23,13 +23,14 @@ void PreviewWorker::take(PreviewCommands commands) {
   if (commands.scene) take_scene(*commands.scene);
   if (commands.method) take_method(*commands.method);
   if (commands.luminaire) take_luminaire(*commands.luminaire);
-  for (PreviewCommands::Cell& cell : commands.cells) take_cell(std::move(cell));
-  for (const CellIndex cell : commands.refused)
-    report({"there is no luminaire yet", "cell " + to_string(cell), "set the luminaire first"});
+  // Before the cells, which wait for a view that is to come.
   const View before = view_;
   if (commands.camera) view_.camera = *commands.camera;
   if (commands.size_px) std::tie(view_.width_px, view_.height_px) = *commands.size_px;
   if (!same(before, view_)) view_changed_ = true;
+  for (PreviewCommands::Cell& cell : commands.cells) take_cell(std::move(cell));
+  for (const CellIndex cell : commands.refused)
+    report({"there is no luminaire yet", "cell " + to_string(cell), "set the luminaire first"});
   if (commands.moving) moving_ = *commands.moving;
   if (commands.scan_running) scan_ = *commands.scan_running;
   if (commands.look) {

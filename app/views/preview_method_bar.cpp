@@ -65,12 +65,19 @@ PreviewMethodBar::PreviewMethodBar(QWidget* parent)
 
 void PreviewMethodBar::choose(Method chosen) {
   const MethodCost cost = info(chosen).cost;
-  samples_->setVisible(cost == MethodCost::samples || cost == MethodCost::lights);
+  samples_->setVisible(info(chosen).samples > 0);
   samples_->setSuffix(cost == MethodCost::lights ? tr(" lights") : tr(" samples"));
   if (const QString tip = samples_tip(chosen); !tip.isEmpty()) samples_->setToolTip(tip);
   methods_->setToolTip(tr("How the light is computed: %1").arg(text_of(info(chosen).what)));
   MethodSettings method = method_;
   method.method = chosen;
+  // Lights in all are other numbers than samples for each pixel.
+  if (info(chosen).samples > 0 && cost != info(counted_).cost) {
+    const QSignalBlocker quiet(samples_);
+    samples_->setValue(static_cast<int>(info(chosen).samples));
+    method.samples = info(chosen).samples;
+  }
+  if (info(chosen).samples > 0) counted_ = chosen;
   tell(method);
 }
 

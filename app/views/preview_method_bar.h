@@ -27,6 +27,7 @@ class PreviewMethodBar : public QWidget {
   void tell(const MethodSettings& method);
 
   MethodSettings method_;
+  Method counted_ = Method::position_dependent;  ///< what the samples shown are of
   QComboBox* methods_;
   QSpinBox* samples_;
 };

@@ -1,5 +1,8 @@
 #include "app/views/preview_text.h"
 
+#include <QStringList>
+#include <algorithm>
+
 #include "app/views/value_text.h"
 
 namespace lumifield {
@@ -16,10 +19,18 @@ QString progress_text(const PreviewFrame& frame) {
 }
 
 QString missing_text(const PreviewFrame& frame) {
-  const int missing = frame.total - frame.cells;
-  if (missing <= 0) return {};
-  if (frame.cells == 0) return QString("none of %1 cells measured yet: the scene is dark").arg(frame.total);
-  return QString("%1 of %2 cells not measured yet: their light is missing").arg(missing).arg(frame.total);
+  const int measured = std::max(frame.measured, frame.cells), missing = frame.total - measured;
+  const int late = measured - frame.cells;
+  QStringList said;
+  if (missing > 0 && measured == 0)
+    said << QString("none of %1 cells measured yet: the scene is dark").arg(frame.total);
+  else if (missing > 0)
+    said << QString("%1 of %2 cells not measured yet: their light is missing").arg(missing).arg(frame.total);
+  if (late > 0)
+    said << QString(late == 1 ? "%1 measured cell is not in the picture yet"
+                              : "%1 measured cells are not in the picture yet")
+                .arg(late);
+  return said.join("; ");
 }
 
 QString pixel_text(const Picture& picture, int i, int j, Quantity quantity) {

@@ -116,6 +116,7 @@ std::vector<double> ClosedForm::Impl::sum_of(const Receiver& receiver, bool devi
   const Receiver at = at_lit_height(receiver);
   if (!(at.p_mm.z() > 0)) return sum;
   const int of_receiver = level(at);
+  if (deviation && of_receiver == 0) return sum;
   for (const Cell& cell : cells) add(at, {cell, of_receiver, deviation}, sum);
   return sum;
 }

@@ -21,8 +21,9 @@ struct Receiver {
 /// and the height's cube is 0.
 inline constexpr double least_height_mm = 1e-9;
 
-/// The height that a receiver counts with, mm; 0 on U and behind it, where it gets none of the light. NaN stays.
-inline double lit_height_mm(double z_mm) { return z_mm <= 0 ? 0 : z_mm < least_height_mm ? least_height_mm : z_mm; }
+/// The height that a receiver counts with, mm. On U and behind it, where it gets none of the light, it stays, as do
+/// NaN and Inf.
+inline double lit_height_mm(double z_mm) { return z_mm > 0 && z_mm < least_height_mm ? least_height_mm : z_mm; }
 inline Receiver at_lit_height(Receiver receiver) {
   receiver.p_mm.z() = lit_height_mm(receiver.p_mm.z());
   return receiver;

@@ -59,10 +59,10 @@ Result<bool> ClosedFormEvaluation::go_on(double seconds) {
   while (next_ < cells_.size()) {
     const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::size_t count = fit(seconds - passed);
-    std::vector<const CellImage*> images;
-    for (std::size_t k = next_; k < next_ + count; ++k) images.push_back(images_[k].get());
+    const std::span<const std::shared_ptr<const CellImage>> images(images_);
     clear_ = false;
-    if (Status added = device_->add_cells(std::span(cells_).subspan(next_, count), images); !added)
+    if (Status added = device_->add_cells(std::span(cells_).subspan(next_, count), images.subspan(next_, count));
+        !added)
       return tl::unexpected(added.error());
     kernel_s_ += device_->last_kernel_s();
     next_ += count;

@@ -1,7 +1,5 @@
 #include "renderer/methods/device_method.h"
 
-#include <algorithm>
-
 #include "luminaire/dataset.h"
 #include "renderer/methods/closed_form_evaluation.h"
 #include "renderer/methods/far_field_device.h"
@@ -65,7 +63,7 @@ Result<bool> DeviceMethod::evaluate(double seconds) {
   if (const Status set = check_set(); !set) return tl::unexpected(set.error());
   if (!begun_)
     if (const Status begins = begin(); !begins) return tl::unexpected(begins.error());
-  begun_ = true;
+  begun_ = false;  // what is thrown leaves nothing under way
   const auto done = go_on(seconds);
   begun_ = done.has_value();
   return done;

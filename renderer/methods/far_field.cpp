@@ -157,7 +157,9 @@ double FarFieldTable::interpolation_error(int channel, const Vec2& q_mm) const {
       sum += std::abs(this->at(channel, at + step) - 2 * this->at(channel, at) + this->at(channel, at - step));
     worst = std::max(worst, sum);
   }
-  return worst / 4;
+  // Where T is smooth, or its slope breaks at points of the table alone, the second difference half a step beside is
+  // that of the step; of a slope that breaks amid a step, as of a box on other pixels, it may see one half.
+  return geometry_.sampling.basis == BasisKind::box ? worst / 2 : worst / 4;
 }
 
 FarField::FarField(const LightField& light_field, FarFieldTable table)

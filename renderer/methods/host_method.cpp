@@ -65,8 +65,8 @@ Status check_settings(const MethodSettings& s) {
   if (!(s.samples >= 1 && s.samples <= most_samples))
     return fail("is not between 1 and 10 million", "number of samples", "give another");
   if (!(s.k_max >= 0 && std::isfinite(s.k_max))) return fail("is negative or not finite", "k_max", "give 0 for none");
-  if (!(s.lod >= 0 && std::isfinite(s.lod)))
-    return fail("is negative or not finite", "level of detail", "give the pixels per support, or 0 for all");
+  if (!(s.lod == 0 || (s.lod >= least_lod && std::isfinite(s.lod))))
+    return fail("is neither 0 nor at least 1", "level of detail", "give the pixels per support, or 0 for all");
   if (s.depth < 1) return fail("is less than 1", "depth of the search", "give more");
   if (!(s.memory_bytes >= 0))
     return fail("is negative or NaN", "memory for tables", "give 0 for half of what there is");

@@ -12,9 +12,9 @@ namespace lumifield {
 /// What a method says of one receiver.
 struct Estimate {
   std::vector<double> irradiance;  ///< per channel, the dataset's irradiance unit
-  /// How far the method itself says it may be off, per channel: for samplers one standard deviation of this estimate
-  /// over all seeds, derived from the distribution that is drawn from (not from the samples), and the known bias where
-  /// there is one; for the others a bound.
+  /// How far the method itself says it may be off, per channel: for samplers at least one standard deviation of this
+  /// estimate over all seeds, derived from the distribution that is drawn from (not from the samples; without the
+  /// mean's square of each cell, which would lessen it), and the known bias where there is one; for the others a bound.
   std::vector<double> stated_error;
 };
 

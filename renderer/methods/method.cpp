@@ -9,19 +9,21 @@ namespace {
 
 constexpr std::array all{
     MethodInfo{Method::closed_form, "closed-form", "exact sum over the pixels of every cell, or over coarser ones",
-               MethodCost::pixels_per_support},
+               MethodCost::pixels_per_support, 0},
     MethodInfo{Method::position_dependent, "position-dependent",
-               "samples of the cells' images within what each receiver sees (Lu 2015, corrected)", MethodCost::samples},
+               "samples of the cells' images within what each receiver sees (Lu 2015, corrected)", MethodCost::samples,
+               200},
     MethodInfo{Method::position_dependent_printed, "position-dependent-printed",
-               "the same as published: biased, kept to show by how much", MethodCost::samples},
+               "the same as published: biased, kept to show by how much; takes no pixel below 0, which scans have",
+               MethodCost::samples, 200},
     MethodInfo{Method::uniform_box, "uniform-box", "as many uniform samples in the support of each cell",
-               MethodCost::samples},
+               MethodCost::samples, 200},
     MethodInfo{Method::precomputed_lights, "precomputed-lights",
-               "light samples of the whole luminaire, the same for all receivers", MethodCost::lights},
+               "light samples of the whole luminaire, the same for all receivers", MethodCost::lights, 10'000},
     MethodInfo{Method::far_field, "far-field", "the luminaire as a point with an intensity distribution",
-               MethodCost::none},
-    MethodInfo{Method::reference, "reference", "the judge: double precision on the host, no approximation",
-               MethodCost::none},
+               MethodCost::none, 0},
+    MethodInfo{Method::reference, "reference",
+               "closed-form in double precision on the host, exact: what kernels are judged by", MethodCost::none, 0},
 };
 
 }  // namespace

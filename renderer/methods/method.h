@@ -30,6 +30,7 @@ struct MethodInfo {
   std::string_view name;  ///< in files, options and the window
   std::string_view what;  ///< one line for people
   MethodCost cost;
+  double samples;  ///< usual, of those that take any: K per receiver, or lights in all
 };
 
 /// All of them, in the order of the enumeration.
@@ -39,12 +40,14 @@ std::string_view to_string(Method method);
 std::optional<Method> method_from_string(std::string_view name);
 
 inline constexpr double most_samples = 1e7, most_lights = 4e6;
+/// Below one pixel a support a level of detail is nonsense: all that an image has of a cell would be one value.
+inline constexpr double least_lod = 1;
 
 /// What is chosen about a method. Value type.
 struct MethodSettings {
   Method method = Method::closed_form;
   double lod = 0;        ///< closed form: level of detail T, pixels per support and axis; 0 is exact
-  double samples = 200;  ///< K per receiver; precomputed-lights: lights in all
+  double samples = 200;  ///< K per receiver; precomputed-lights: lights in all (MethodInfo::samples)
   double k_max = 0;      ///< bound of the samples of a receiver in one cell; 0: none. Of the position-dependent alone
   std::uint32_t seed = 1;
   PointSequence sequence = PointSequence::halton;

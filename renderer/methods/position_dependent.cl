@@ -172,7 +172,7 @@ INLINE void add_samples(const SamplingGeometry* g, const View* view, const Sampl
   const uint first = first_point(g, (uint)cell->number, (uint)id);
   float marginal[WIDEST + BLOCK + 1];
   const int vectors = !PLAIN && box->count.x <= WIDEST;
-  if (!on_u && vectors) fill_marginal(g, table, box, all, marginal);
+  if (vectors && !on_u) fill_marginal(g, table, box, all, marginal);
   const double2 center = box->center - convert_double2(box->first), per_rate = 1 / view->rate;
   for (int k = 0; k < count; ++k) {
     const float2 xi = sample_point(g, points, cell, first, k);

@@ -48,7 +48,8 @@ PositionDependentPrinted::PositionDependentPrinted(const LightField& light_field
 }
 
 Status check_printed_receiver(const LuminaireGeometry& geometry, const Receiver& receiver) {
-  const ReceiverView view(geometry, Basis(geometry.sampling.basis), receiver);
+  const Basis basis(geometry.sampling.basis);
+  const ReceiverView view(geometry, basis, receiver);
   if (view.delta_mm() < 0)
     return fail("lies between the planes, where the published equations do not hold", "receiver", use_corrected);
   if (view.delta_mm() > 0 && view.span_px() < printed_least_span_px)

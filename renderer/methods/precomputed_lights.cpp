@@ -69,7 +69,7 @@ PrecomputedLights::PrecomputedLights(const LightField& light_field, const Method
 Result<std::vector<double>> PrecomputedLights::irradiance(const Receiver& receiver, std::uint32_t) const {
   std::vector<double> sum(geometry_.channels.size(), 0.0);
   const ReceiverView view(geometry_, basis_, receiver);
-  if (!view.in_front() || lights_.empty()) return sum;
+  if (!view.in_front()) return sum;
   const double rates = std::abs(view.rate().prod());
   if (!(rates > 0)) return fail("lies on S, where no light is seen", "receiver", "use closed-form");
   for (const PrecomputedLight& light : lights_) {

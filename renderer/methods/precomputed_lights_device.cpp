@@ -21,12 +21,17 @@ Result<std::unique_ptr<PrecomputedLightsDevice>> PrecomputedLightsDevice::create
 
 Status PrecomputedLightsDevice::take_cells(const LightField& light_field) {
   measured_ = measured_cells(light_field);
+  return check_memory();
+}
+
+Status PrecomputedLightsDevice::check_memory() const {
   return check_table_memory(settings_, host_table_bytes(geometry_, settings_, static_cast<int>(measured_.size())),
                             host_memory_bytes());
 }
 
 /// Cell by cell, each cell's lights filled up to whole vectors with lights of no value.
 Status PrecomputedLightsDevice::make_points() {
+  if (Status fits = check_memory(); !fits) return fits;
   const std::vector<PrecomputedLight> lights = precompute_lights(measured_, settings_);
   std::vector<SamplingCell> cells;
   std::vector<const PrecomputedLight*> placed;

@@ -16,6 +16,7 @@ class PrecomputedLightsDevice final : public SampledDevice {
   Status take_cells(const LightField& light_field) override;
   void set_arguments(DeviceKernel& kernel) override;
   Status make_points() override;
+  Status check_memory() const;
   Status check_receiver(const Receiver& receiver) const override;
 
   std::vector<MeasuredCell> measured_;

@@ -81,9 +81,10 @@ Status SampledDevice::begin() {
 std::size_t SampledDevice::band(double seconds) const {
   const auto all = static_cast<double>(receivers());
   const double each_s = next_ > 0 ? kernel_s_ / static_cast<double>(next_) : 0;
+  const double samples = info(settings_.method).samples > 0 ? shared_.samples : 1;  // of a receiver
   const double fit = !std::isfinite(seconds) ? all
-                     : each_s > 0            ? std::min(seconds / each_s, most_band_samples / shared_.samples)
-                                             : first_samples / shared_.samples;
+                     : each_s > 0            ? std::min(seconds / each_s, most_band_samples / samples)
+                                             : first_samples / samples;
   return static_cast<std::size_t>(std::max(std::min(fit, all), static_cast<double>(work_group)));
 }
 

@@ -21,9 +21,18 @@ double host_table_bytes(const LuminaireGeometry& geometry, const MethodSettings&
       return cells * (summed_area + cdfs);
     case Method::precomputed_lights:
       return std::min(cells, 1) * (summed_area + cdfs) + settings.samples * sizeof(PrecomputedLight);
-    default:
+    case Method::closed_form:
+    case Method::reference: {
+      // |C|, which the stated error is measured against; with a level of detail means and deviations of all levels.
+      const double levels = settings.lod > 0 ? 2.0 * sizeof(double) / 3 : 0;
+      return cells * static_cast<double>(m.pixels()) * static_cast<double>(geometry.channels.size()) *
+             (sizeof(float) + levels);
+    }
+    case Method::uniform_box:
+    case Method::far_field:  // its table is bounded where it is made
       return 0;
   }
+  return 0;
 }
 
 Status check_table_memory(const MethodSettings& settings, double table_bytes, double memory_bytes) {

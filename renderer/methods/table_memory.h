@@ -5,9 +5,9 @@
 
 namespace lumifield {
 
-/// What the tables of a method's host form take beside the cells, bytes: summed-area tables of their importance for
-/// position-dependent, and cdfs of it too as printed; of precomputed-lights the lights, and the tables of one cell,
-/// which are not kept. `cells`: measured ones.
+/// What a method makes on the host beside the cells, bytes: summed-area tables of their importance for
+/// position-dependent, and cdfs of it too as printed; of precomputed-lights, its kernel's too, the lights and the
+/// tables of one cell, which are not kept; of the closed form |C|, and levels of detail. `cells`: measured ones.
 double host_table_bytes(const LuminaireGeometry& geometry, const MethodSettings& settings, int cells);
 
 /// Refuses tables that take more than the settings allow, or by these half of `memory_bytes`. To be asked before any is

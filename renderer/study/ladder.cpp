@@ -1,5 +1,8 @@
 #include "renderer/study/ladder.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace lumifield {
 
 namespace {
@@ -38,14 +41,56 @@ std::string words(Method method, const StudyBench& bench, double cost) {
   return text;
 }
 
+/// What a method says of a luminaire and a frame: a point, or why there is none.
+struct Answer {
+  Result<StudyPoint> point;
+  StabilityOutcome without = StabilityOutcome::refused;
+};
+Answer refused(const Error& error) { return {tl::unexpected(error), StabilityOutcome::refused}; }
+Answer failed(const Error& error) { return {tl::unexpected(error), StabilityOutcome::failed}; }
+
+/// One rung. `method` is that of the rung before, or null; levels of detail are methods of their own.
+Answer step(const StudyBench& bench, const MethodSettings& settings, std::unique_ptr<DeviceMethod>& method) {
+  if (!method || settings.method == Method::closed_form) {
+    auto made = bench.make(settings);
+    if (!made) return refused(made.error());
+    method = std::move(*made);
+  }
+  if (Status set = method->set_samples(settings.samples, settings.seed); !set) return refused(set.error());
+  if (Status set = method->set_receivers(bench.frame().receivers); !set) return refused(set.error());
+  // The first evaluation compiles the kernel and tells how often it can be repeated.
+  std::vector<double> e;
+  const auto first = timed_evaluation(*method, bench.frame().receivers, 1, e);
+  if (!first) return failed(first.error());
+  auto point = bench.judge(*method, repeats_for(*first));
+  if (!point) return failed(point.error());
+  return {std::move(point)};
+}
+
+Answer step_at_full_size(const StudyBench& bench, const MethodSettings& settings,
+                         const std::vector<Receiver>& receivers, int repeats) {
+  auto method = bench.make(settings);
+  if (!method) return refused(method.error());
+  if (Status set = (*method)->set_receivers(receivers); !set) return refused(set.error());
+  auto point = bench.judge(**method, 1);
+  if (!point) return failed(point.error());
+  std::vector<double> e;
+  const auto took = timed_evaluation(**method, receivers, repeats, e);
+  if (!took) return failed(took.error());
+  point->time_ms = 1e3 * *took;
+  return {std::move(point)};
+}
+
 }  // namespace
 
 tl::unexpected<Error> study_stopped() {
   return tl::unexpected<Error>(Error{"stopped", "study", "run it again", ErrorKind::stopped});
 }
 
-Result<std::vector<StudyPoint>> climb_ladder(const StudyBench& bench, bool quick, const StudyProgress& progress) {
-  std::vector<StudyPoint> points;
+bool Climb::is_without(Method method) const { return std::ranges::count(without, method, &StabilityRow::method) > 0; }
+
+Result<Climb> climb_ladder(const StudyBench& bench, bool quick, const StudyProgress& progress) {
+  Climb climb;
   const std::vector<Rungs> all = ladder();
   double done = 0, rungs = 0;
   for (const Rungs& each : all) rungs += static_cast<double>((quick ? each.quick : each.full).size());
@@ -53,53 +98,47 @@ Result<std::vector<StudyPoint>> climb_ladder(const StudyBench& bench, bool quick
     std::unique_ptr<DeviceMethod> method;
     for (const double cost : quick ? each.quick : each.full) {
       if (!progress(done++ / rungs, words(each.method, bench, cost))) return study_stopped();
-      const MethodSettings settings = settings_of(each.method, cost);
-      if (!method || each.method == Method::closed_form) {
-        auto made = bench.make(settings);
-        if (!made) return tl::unexpected(made.error());
-        method = std::move(*made);
+      if (climb.is_without(each.method)) continue;
+      Answer answer = step(bench, settings_of(each.method, cost), method);
+      if (!answer.point && each.method == Method::closed_form) return tl::unexpected(answer.point.error());
+      if (!answer.point) {
+        climb.without.push_back({each.method, "luminaire " + bench.luminaire().name, answer.without, std::nan(""),
+                                 answer.point.error().message()});
+        std::erase_if(climb.points, [&](const StudyPoint& p) { return p.method == each.method; });
+        continue;
       }
-      if (Status set = method->set_samples(settings.samples, settings.seed); !set) return tl::unexpected(set.error());
-      // The first evaluation compiles the kernel and tells how often it can be repeated.
-      std::vector<double> e;
-      const auto first = timed_evaluation(*method, bench.frame().receivers, 1, e);
-      if (!first) return tl::unexpected(first.error());
-      auto point = bench.judge(*method, repeats_for(*first));
-      if (!point) return tl::unexpected(point.error());
-      point->method = each.method;
-      point->cost = cost;
-      points.push_back(std::move(*point));
+      answer.point->method = each.method;
+      answer.point->cost = cost;
+      climb.points.push_back(std::move(*answer.point));
     }
   }
-  return points;
+  return climb;
 }
 
-Result<std::vector<StudyPoint>> confirm_at_full_size(const StudyBench& bench, StudyCamera& camera, bool quick,
-                                                     const StudyProgress& progress) {
+Status confirm_at_full_size(const StudyBench& bench, StudyCamera& camera, bool quick, const StudyProgress& progress,
+                            Climb& climb) {
   constexpr int width = 1024, height = 768;
   const auto frame = camera.frame(width, height, bench.luminaire().light_field.geometry().planes.separation_mm);
   if (!frame) return tl::unexpected(frame.error());
-  std::vector<StudyPoint> points;
   const std::vector<Rungs> all = ladder();
+  double done = 0;
   for (const Rungs& each : all) {
-    if (!progress(static_cast<double>(points.size()) / static_cast<double>(all.size()),
-                  words(each.method, bench, each.confirm) + " at 1024x768"))
+    if (!progress(done++ / static_cast<double>(all.size()), words(each.method, bench, each.confirm) + " at 1024x768"))
       return study_stopped();
-    auto method = bench.make(settings_of(each.method, each.confirm));
-    if (!method) return tl::unexpected(method.error());
-    auto point = bench.judge(**method, 1);
-    if (!point) return tl::unexpected(point.error());
-    std::vector<double> e;
-    const auto took = timed_evaluation(**method, frame->receivers, quick ? 1 : 3, e);
-    if (!took) return tl::unexpected(took.error());
-    point->method = each.method;
-    point->cost = each.confirm;
-    point->time_ms = 1e3 * *took;
-    point->width_px = width;
-    point->height_px = height;
-    points.push_back(std::move(*point));
+    if (climb.is_without(each.method)) continue;
+    Answer answer = step_at_full_size(bench, settings_of(each.method, each.confirm), frame->receivers, quick ? 1 : 3);
+    if (!answer.point) {
+      climb.without.push_back({each.method, "luminaire " + bench.luminaire().name + " at 1024x768", answer.without,
+                               std::nan(""), answer.point.error().message()});
+      continue;
+    }
+    answer.point->method = each.method;
+    answer.point->cost = each.confirm;
+    answer.point->width_px = width;
+    answer.point->height_px = height;
+    climb.points.push_back(std::move(*answer.point));
   }
-  return points;
+  return {};
 }
 
 }  // namespace lumifield

@@ -4,12 +4,22 @@
 
 namespace lumifield {
 
-/// Every method at a ladder of costs on one luminaire. `quick` leaves the dear ends out.
-Result<std::vector<StudyPoint>> climb_ladder(const StudyBench& bench, bool quick, const StudyProgress& progress);
+/// What a ladder of costs found. A method that has no answer on this luminaire in this frame has no points, but a row
+/// that tells why: refused where it will not take the luminaire or a receiver, failed where it breaks off.
+struct Climb {
+  std::vector<StudyPoint> points;
+  std::vector<StabilityRow> without;
+  bool is_without(Method method) const;
+};
 
-/// One point of each method at 1024×768, its cost a middle one: errors are those of the ladder's picture.
-Result<std::vector<StudyPoint>> confirm_at_full_size(const StudyBench& bench, StudyCamera& camera, bool quick,
-                                                     const StudyProgress& progress);
+/// Every method at a ladder of costs on one luminaire. `quick` leaves the dear ends out. Errors: the closed form's, and
+/// where it is stopped.
+Result<Climb> climb_ladder(const StudyBench& bench, bool quick, const StudyProgress& progress);
+
+/// One point at 1024×768 of each method that has points, its cost a middle one: errors are those of the ladder's
+/// picture. Adds to the climb.
+Status confirm_at_full_size(const StudyBench& bench, StudyCamera& camera, bool quick, const StudyProgress& progress,
+                            Climb& climb);
 
 /// Stopped by the one who asked.
 tl::unexpected<Error> study_stopped();

@@ -179,6 +179,7 @@ std::optional<Reached> time_at(std::vector<StudyPoint> ladder, double error) {
 }  // namespace
 
 Result<std::vector<FigureRow>> paper_figures(const StudyBench& bench, bool quick, const StudyProgress& progress) {
+  if (!bench.luminaire().of_table_1) return std::vector<FigureRow>{};
   Figures figures(bench, progress);
   if (bench.luminaire().name == "bike") bike_figures(figures, quick);
   if (bench.luminaire().name == "car1") car1_figures(figures);

@@ -29,8 +29,10 @@ struct StabilityRow {
   Method method = Method::closed_form;
   std::string case_name;
   StabilityOutcome outcome = StabilityOutcome::failed;
-  double rel_error = 0;  ///< largest error over the receivers, of Σ_m ∫|C_m Φ_m| max(0, ·); NaN where refused
-  std::string reason;    ///< of a refusal or a failure
+  /// Largest error over the receivers, of Σ_m ∫|C_m Φ_m| max(0, ·): of samplers that of the host form's mean over
+  /// seeds. NaN where refused.
+  double rel_error = 0;
+  std::string reason;  ///< of a refusal or a failure
 };
 
 /// One number of the paper and ours beside it.

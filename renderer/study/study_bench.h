@@ -15,6 +15,7 @@ namespace lumifield {
 struct StudyLuminaire {
   std::string name;
   LightField light_field;
+  bool of_table_1 = false;  ///< one of those that the paper's figures are made again for (synthetic_luminaire.h)
 };
 
 /// Where the study stands, 0 … 1, and what it is at; false stops it.

@@ -106,7 +106,8 @@ TEST_F(ADearPictureOfACameraThatMoves, EndsWithThePreview) {
 TEST_F(LivePreviewTest, ViewsAndCellsThatComeFasterThanAPictureDoNotKeepItFromComing) {
   auto live = preview({.coarse = 0, .slice = 1e-4});
   live->set_size(2048, 1536);
-  live->set_method({.method = Method::uniform_box, .samples = 1000});
+  const MethodSettings settings{.method = Method::uniform_box, .samples = 1000};
+  live->set_method(settings);
   live->set_scene(scene_);
   live->set_luminaire(geometry_);
   add_all(*live);
@@ -125,10 +126,19 @@ TEST_F(LivePreviewTest, ViewsAndCellsThatComeFasterThanAPictureDoNotKeepItFromCo
   EXPECT_GE(views(), 5U) << moves << " moves";
   // The last cell and the last view are in the picture in the end.
   live->set_size(width, height);
-  live->add({0, 0}, image_of(geometry_, 0));
+  live->add({0, 0}, image_of(geometry_, 77));
   live->set_camera(camera(-200), false);
-  const FramePtr last =
-      told_.frame([](const PreviewFrame& f) { return !f.coarse && f.camera.position_mm.x() == -200; });
+  auto renderer = Renderer::create(scene_, width, height).value();
+  ASSERT_TRUE(renderer->set_method(settings));
+  ASSERT_TRUE(renderer->set_luminaire(geometry_));
+  ASSERT_TRUE(renderer->set_view(camera(-200), width, height));
+  for (int k = 0; k < all_; ++k)
+    ASSERT_TRUE(
+        renderer->keep_cell(geometry_.sampling.index(k), image_of(geometry_, k == 0 ? 77 : static_cast<unsigned>(k))));
+  const Picture wanted = renderer->picture().value();
+  const FramePtr last = told_.frame([&](const PreviewFrame& f) {
+    return !f.coarse && f.camera.position_mm.x() == -200 && f.radiance->rgb == wanted.rgb;
+  });
   ASSERT_NE(last, nullptr);
   EXPECT_EQ(last->cells, all_);
 }

@@ -48,8 +48,19 @@ TEST_F(PointsCsv, WritesWhatItReads) {
   ASSERT_TRUE(write_points_csv(file_, points, {"R", "G"}, {1.5, 2.25}));
   auto table = test::read_csv_table(file_);
   EXPECT_EQ(table["x_mm"], std::vector<double>{0.1});
+  EXPECT_EQ(table.count("stated_error_R"), 0u);
   EXPECT_EQ(table["E_R"], std::vector<double>{1.5});
   EXPECT_EQ(table["E_G"], std::vector<double>{2.25});
+  std::ifstream written(file_);
+  std::string header, line;
+  std::getline(written, header);
+  std::getline(written, line);
+  EXPECT_EQ(line, "0.1,-2,1e+05,0,0.6,-0.8,1.5,2.25") << "points as they were given";
+  ASSERT_TRUE(write_points_csv(file_, points, {"R", "G"}, {1.5, 2.25}, {0.125, 0.25}));
+  table = test::read_csv_table(file_);
+  EXPECT_EQ(table["E_G"], std::vector<double>{2.25});
+  EXPECT_EQ(table["stated_error_R"], std::vector<double>{0.125});
+  EXPECT_EQ(table["stated_error_G"], std::vector<double>{0.25});
   EXPECT_FALSE(write_points_csv("/nowhere/e.csv", points, {"R", "G"}, {1.5, 2.25}));
   EXPECT_FALSE(write_points_csv("/dev/full/e.csv", points, {"R", "G"}, {1.5, 2.25}));
 }

@@ -90,6 +90,8 @@ TEST_F(StudyCommand, WhatIsWrongIsToldBeforeAnythingIsComputedAndLeavesNoFolder)
   support::write_text(folder_ / "file", "");
   EXPECT_EQ(run({"--scene", scene, "--out", folder_ / "file"}), 1);
   EXPECT_THAT(error, HasSubstr("a study cannot be written there"));
+  EXPECT_EQ(run({"--scene", scene, "--out", dataset("other.lumi")}), 1);
+  EXPECT_THAT(error, HasSubstr("that is a dataset"));
   EXPECT_TRUE(drawn_into.empty());
 }
 

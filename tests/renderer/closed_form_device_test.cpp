@@ -230,6 +230,17 @@ TEST(ClosedFormDevice, WithoutReceiversThereIsNothingToDo) {
   EXPECT_TRUE(sums_of(**device).empty());
 }
 
+TEST_P(ClosedFormDeviceSums, WhatIsNotFiniteIsRefusedOnEachAxis) {
+  for (const double bad : {HUGE_VAL, -HUGE_VAL, std::nan("")})
+    for (int axis = 0; axis < 3; ++axis) {
+      Receiver p{{1, 2, 300}, {0, 0, -1}}, n = p;
+      p.p_mm[axis] = bad;
+      n.n[axis] = bad;
+      EXPECT_FALSE(device_->set_receivers(std::vector{p})) << bad << ", axis " << axis;
+      EXPECT_FALSE(device_->set_receivers(std::vector{n})) << bad << ", axis " << axis;
+    }
+}
+
 TEST_P(ClosedFormDeviceSums, TheLightStaysHoweverNearAReceiverIsToTheFilter) {
   const ClosedForm host(*field_);
   std::vector<Receiver> near;

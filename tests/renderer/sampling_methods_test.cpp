@@ -2,6 +2,7 @@
 // say. One small luminaire; receivers far, near, on and before S.
 #include <cmath>
 #include <gtest/gtest.h>
+#include <random>
 
 #include "renderer/methods/host_method.h"
 #include "renderer/methods/receiver_view.h"
@@ -267,6 +268,35 @@ TEST(FarField, IsRightFarAwayAndBoundsItsErrorNearby) {
   const Receiver receiver{{4 * d / 60, -6 * d / 60, d}, {0, 0, -1}};
   EXPECT_NEAR(method->irradiance(receiver, 0).value()[0] / reference(field, receiver), 1, 1e-4);
   EXPECT_EQ(method->irradiance({{0, 0, -10}, {0, 0, 1}}, 0).value()[0], 0);
+}
+
+TEST(FarField, BoundsWhatItsTableLeavesOutOfABoxBesideThePixels) {
+  // Spacing and pixels have no common measure: the table's points lie anywhere to the slope's breaks.
+  LuminaireGeometry g;
+  g.planes.separation_mm = 60;
+  g.sampling = {BasisKind::box, {7.3, 6.1}, 2, 2, {0.37, -0.21}};
+  g.measurement = {40, 30, {1, 1.3}, {0.11, 0.43}};
+  g.channels = {"Y"};
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> value(0, 1);
+  LightField field(g);
+  for (int k = 0; k < 4; ++k) {
+    CellImage image{40, 30, 1, {}, {}, {}};
+    for (int i = 0; i < 1200; ++i) image.value.push_back(value(random) < 0.9F ? 0.0F : 1.0F);
+    ASSERT_TRUE(field.add(g.sampling.index(k), std::move(image)));
+  }
+  const auto method = make_host_method(field, {.method = Method::far_field}).value();
+  const double d = 1e8;  // so far that the table alone is in error
+  double most = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const Vec2 q(18 * std::sin(0.7 * k), 17 * std::cos(1.1 * k + 0.2));
+    const Receiver at{{q.x() * d / 60, q.y() * d / 60, d}, {0, 0, -1}};
+    const Estimate one = method->estimate(at, 0).value();
+    const double off = std::abs(one.irradiance[0] - reference(field, at));
+    EXPECT_LE(off, one.stated_error[0] + 1e-9 * one.irradiance[0]) << q.transpose();
+    if (one.stated_error[0] > 0) most = std::max(most, off / one.stated_error[0]);
+  }
+  EXPECT_GT(most, 0.2) << "else the bound would say nothing";
 }
 
 TEST(HostMethod, RefusesSettingsThatMakeNoSense) {

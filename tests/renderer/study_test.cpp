@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <iomanip>
+#include <set>
 
 #include "luminaire/file_io.h"
 #include "renderer/renderer.h"
@@ -140,20 +141,21 @@ TEST_F(StudyOfASmallLuminaire, TheLadderJudgesEveryMethod) {
   ASSERT_TRUE(bench) << bench.error().message();
   EXPECT_EQ(files().size(), 1u) << "the reference is kept where it was told";
   int told = 0;
-  const auto points = climb_ladder(**bench, true, [&](double share, const std::string&) {
+  const auto climb = climb_ladder(**bench, true, [&](double share, const std::string&) {
     EXPECT_GE(share, 0);
     EXPECT_LT(share, 1);
     return ++told > 0;
   });
-  ASSERT_TRUE(points) << points.error().message();
-  EXPECT_EQ(told, int(points->size()));
+  ASSERT_TRUE(climb) << climb.error().message();
+  EXPECT_EQ(told, int(climb->points.size()));
+  EXPECT_TRUE(climb->without.empty());
   const auto at = [&](Method method, double cost) {
-    for (const StudyPoint& p : *points)
+    for (const StudyPoint& p : climb->points)
       if (p.method == method && p.cost == cost) return p;
     ADD_FAILURE() << to_string(method) << ' ' << cost;
     return StudyPoint{};
   };
-  for (const StudyPoint& p : *points) {
+  for (const StudyPoint& p : climb->points) {
     EXPECT_GT(p.time_ms, 0);
     EXPECT_FALSE(p.device.empty());
     EXPECT_TRUE(std::isfinite(p.rel_rmse) && std::isfinite(p.lab_delta_e));
@@ -170,6 +172,32 @@ TEST_F(StudyOfASmallLuminaire, TheLadderJudgesEveryMethod) {
   const auto stopped = climb_ladder(**bench, true, [](double, const std::string&) { return false; });
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().kind, ErrorKind::stopped);
+}
+
+TEST_F(StudyOfASmallLuminaire, AMethodThatRefusesTheLuminaireIsToldAndTheOthersGoOn) {
+  // As of any scan, whose noise is below 0 somewhere.
+  CellImage image = *luminaire_->light_field.cell({0, 1});
+  image.value[150] = -1e-4F;
+  ASSERT_TRUE(luminaire_->light_field.add({0, 1}, std::move(image)));
+  const auto bench = StudyBench::create(*camera_, *luminaire_, folder_);
+  ASSERT_TRUE(bench) << bench.error().message();
+  const auto climb = climb_ladder(**bench, true, [](double, const std::string&) { return true; });
+  ASSERT_TRUE(climb) << climb.error().message();
+  ASSERT_EQ(climb->without.size(), 1u);
+  const StabilityRow& row = climb->without[0];
+  EXPECT_EQ(row.method, Method::position_dependent_printed);
+  EXPECT_EQ(row.case_name, "luminaire small");
+  EXPECT_EQ(row.outcome, StabilityOutcome::refused);
+  EXPECT_NE(row.reason.find("cell (0, 1)"), std::string::npos) << row.reason;
+  std::set<Method> judged;
+  for (const StudyPoint& p : climb->points) judged.insert(p.method);
+  EXPECT_EQ(judged.size(), methods().size() - 2) << "the printed one has none, nor has the reference";
+  const auto go_on = [](double, const std::string&) { return true; };
+  Climb confirmed = *climb;
+  ASSERT_TRUE(confirm_at_full_size(**bench, *camera_, true, go_on, confirmed));
+  EXPECT_EQ(confirmed.points.size(), climb->points.size() + judged.size());
+  EXPECT_EQ(confirmed.without.size(), 1u);
+  EXPECT_TRUE(paper_figures(**bench, true, go_on)->empty()) << "the paper has none of this luminaire";
 }
 
 TEST(EqualError, IsReadFromTheLadders) {

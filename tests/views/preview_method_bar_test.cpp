@@ -62,6 +62,21 @@ TEST_F(PreviewMethodBarTest, KeysChooseAMethodAndItsSamples) {
   EXPECT_FALSE(samples()->isVisible());
 }
 
+TEST_F(PreviewMethodBarTest, LightsInAllAreOtherNumbersThanSamplesForEachPixel) {
+  methods()->setCurrentText("position-dependent");
+  samples()->setValue(50);
+  methods()->setCurrentText("uniform-box");
+  EXPECT_EQ(told.back().samples, 50) << "counted alike";
+  methods()->setCurrentText("precomputed-lights");
+  EXPECT_EQ(told.back().samples, info(Method::precomputed_lights).samples);
+  EXPECT_EQ(samples()->value(), 10000);
+  methods()->setCurrentText("far-field");
+  methods()->setCurrentText("precomputed-lights");
+  EXPECT_EQ(samples()->value(), 10000);
+  methods()->setCurrentText("uniform-box");
+  EXPECT_EQ(told.back().samples, 200);
+}
+
 TEST_F(PreviewMethodBarTest, ThePicturesTextNamesAnotherMethod) {
   PreviewFrame frame = preview_frame(4, 3);
   EXPECT_FALSE(progress_text(frame).contains("closed-form"));

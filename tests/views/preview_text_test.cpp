@@ -13,7 +13,12 @@ TEST(PreviewText, SaysWhatThePictureHoldsAndWhatIsMissing) {
   EXPECT_EQ(missing_text(frame), "26 of 63 cells not measured yet: their light is missing");
   frame.coarse = true;
   EXPECT_EQ(progress_text(frame), "37 of 63 cells · picture 42 ms · coarse");
-  frame.cells = 0;
+  frame.measured = 40;
+  EXPECT_EQ(missing_text(frame),
+            "23 of 63 cells not measured yet: their light is missing; 3 measured cells are not in the picture yet");
+  frame.measured = 63;
+  EXPECT_EQ(missing_text(frame), "26 measured cells are not in the picture yet");
+  frame.cells = frame.measured = 0;
   EXPECT_EQ(missing_text(frame), "none of 63 cells measured yet: the scene is dark");
   frame.cells = 63;
   EXPECT_EQ(missing_text(frame), "");
