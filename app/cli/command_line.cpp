@@ -46,24 +46,25 @@ CLI::Validator picture_file() {
   };
   return {fault, "FILE.exr|FILE.png"};
 }
+/// Of all text; NaN where it is no number, which no range holds.
+double number_in(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [after, wrong] = std::from_chars(text.data(), end, value);
+  return wrong == std::errc() && after == end ? value : std::nan("");
+}
 CLI::Validator level_of_detail() {
   const auto fault = [](const std::string& text) {
-    double pixels = 0;
-    const char* end = text.data() + text.size();
-    const auto [after, wrong] = std::from_chars(text.data(), end, pixels);
-    const bool number = wrong == std::errc() && after == end && std::isfinite(pixels);
-    const bool good = number && (pixels == 0 || pixels >= least_lod);
+    const double pixels = number_in(text);
+    const bool good = pixels == 0 || (pixels >= least_lod && std::isfinite(pixels));
     return good ? std::string() : "'" + text + "' is not a number of pixels per support; give 0 (exact), or 1 or more";
   };
   return {fault, "PIXELS"};
 }
 CLI::Validator number(const char* kind, double least, double most) {
   const auto fault = [=](const std::string& text) {
-    double value = 0;
-    const char* end = text.data() + text.size();
-    const auto [after, wrong] = std::from_chars(text.data(), end, value);
-    const bool good = wrong == std::errc() && after == end && value >= least && value <= most;
-    return good ? std::string() : "'" + text + "' is not " + kind;
+    const double value = number_in(text);
+    return value >= least && value <= most ? std::string() : "'" + text + "' is not " + kind;
   };
   return {fault, "NUMBER"};
 }

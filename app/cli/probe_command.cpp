@@ -19,17 +19,28 @@ std::string point_name(std::size_t k, std::size_t count) {
   return "point " + std::to_string(k + 1) + " of " + std::to_string(count);
 }
 
-Result<std::vector<double>> probe_host(const LightField& light_field, const std::vector<Receiver>& points,
-                                       const MethodSettings& settings) {
+/// Of the points, channel by channel each.
+struct Values {
+  std::vector<double> irradiance, stated_error;  ///< the second only where it is asked for
+};
+
+Result<Values> by_host_form(const LightField& light_field, const std::vector<Receiver>& points,
+                            const MethodSettings& settings, bool with_stated_error) {
   const auto form = make_host_method(light_field, settings);
   if (!form) return tl::unexpected(form.error());
-  std::vector<double> irradiance;
+  Values values;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const auto e = (*form)->irradiance(points[k], static_cast<std::uint32_t>(k));
-    if (!e) return fail_in(point_name(k, points.size()), e.error());
-    irradiance.insert(irradiance.end(), e->begin(), e->end());
+    const auto number = static_cast<std::uint32_t>(k);
+    const Result<Estimate> one = with_stated_error
+                                     ? (*form)->estimate(points[k], number)
+                                     : (*form)->irradiance(points[k], number).map([](std::vector<double> e) {
+                                         return Estimate{std::move(e), {}};
+                                       });
+    if (!one) return fail_in(point_name(k, points.size()), one.error());
+    values.irradiance.insert(values.irradiance.end(), one->irradiance.begin(), one->irradiance.end());
+    values.stated_error.insert(values.stated_error.end(), one->stated_error.begin(), one->stated_error.end());
   }
-  return irradiance;
+  return values;
 }
 
 Result<std::vector<double>> probe_opencl_device(const LightField& light_field, const std::vector<Receiver>& points,
@@ -44,18 +55,18 @@ Result<std::vector<double>> probe_opencl_device(const LightField& light_field, c
   return irradiance;
 }
 
-/// By the host form, whichever computes the light.
-Result<std::vector<double>> stated_errors(const LightField& light_field, const std::vector<Receiver>& points,
-                                          const MethodSettings& settings) {
-  const auto form = make_host_method(light_field, settings);
-  if (!form) return tl::unexpected(form.error());
-  std::vector<double> stated;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const auto estimate = (*form)->estimate(points[k], static_cast<std::uint32_t>(k));
-    if (!estimate) return fail_in(point_name(k, points.size()), estimate.error());
-    stated.insert(stated.end(), estimate->stated_error.begin(), estimate->stated_error.end());
+/// The stated error comes from the host form, whichever computes the light.
+Result<Values> by_opencl_form(const LightField& light_field, const std::vector<Receiver>& points,
+                              const MethodSettings& settings, bool with_stated_error) {
+  auto irradiance = probe_opencl_device(light_field, points, settings);
+  if (!irradiance) return tl::unexpected(irradiance.error());
+  Values values{std::move(*irradiance), {}};
+  if (with_stated_error) {
+    auto stated = by_host_form(light_field, points, settings, true);
+    if (!stated) return stated;
+    values.stated_error = std::move(stated->stated_error);
   }
-  return stated;
+  return values;
 }
 
 Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
@@ -73,19 +84,15 @@ Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
   if (settings.method == Method::reference && options.device == "opencl")
     return fail("the reference has no OpenCL form", "--device", "take host, or the closed form");
   const auto start = std::chrono::steady_clock::now();
-  auto irradiance = options.device == "opencl" ? probe_opencl_device(dataset->light_field, *points, settings)
-                                               : probe_host(dataset->light_field, *points, settings);
-  if (!irradiance) return tl::unexpected(irradiance.error());
+  const auto probed = options.device == "opencl" ? by_opencl_form : by_host_form;
+  const auto values = probed(dataset->light_field, *points, settings, options.stated_error);
+  if (!values) return tl::unexpected(values.error());
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  std::vector<double> stated;
-  if (options.stated_error) {
-    auto errors = stated_errors(dataset->light_field, *points, settings);
-    if (!errors) return tl::unexpected(errors.error());
-    stated = std::move(*errors);
-  }
   const LuminaireGeometry& geometry = dataset->light_field.geometry();
-  if (Status written = write_points_csv(options.out, *points, geometry.channels, *irradiance, stated); !written)
+  if (Status written =
+          write_points_csv(options.out, *points, geometry.channels, values->irradiance, values->stated_error);
+      !written)
     return tl::unexpected(written.error());
   nlohmann::ordered_json summary{{"points", points->size()}};
   summary.update(method_summary(settings));

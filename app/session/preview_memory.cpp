@@ -2,8 +2,6 @@
 
 #include <cstdio>
 
-#include "renderer/methods/table_memory.h"
-
 namespace lumifield {
 
 Status check_preview_memory(const LuminaireGeometry& geometry, double memory_bytes) {
@@ -16,7 +14,5 @@ Status check_preview_memory(const LuminaireGeometry& geometry, double memory_byt
                 memory_bytes / 1e9);
   return fail(text, "preview", "scan without a preview, or plan fewer cells or pixels");
 }
-
-double physical_memory_bytes() { return host_memory_bytes(); }
 
 }  // namespace lumifield

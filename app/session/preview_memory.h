@@ -7,7 +7,4 @@ namespace lumifield {
 /// Refuses a preview whose cells, kept as float32 for changes of view, would take more than half of `memory_bytes`.
 Status check_preview_memory(const LuminaireGeometry& geometry, double memory_bytes);
 
-/// Of this machine.
-double physical_memory_bytes();
-
 }  // namespace lumifield

@@ -13,6 +13,7 @@
 #include "app/session/precedent.h"
 #include "app/session/preview_memory.h"
 #include "app/session/provenance.h"
+#include "renderer/methods/table_memory.h"
 
 namespace lumifield {
 
@@ -190,7 +191,7 @@ void ScanSession::Impl::run() {
 /// Everything that may refuse; what it leaves behind is undone by `discard_dataset`.
 Status ScanSession::Impl::begin() {
   if (request.preview)
-    if (Status fits = check_preview_memory(developer.geometry(), physical_memory_bytes()); !fits) return fits;
+    if (Status fits = check_preview_memory(developer.geometry(), host_memory_bytes()); !fits) return fits;
   if (Status opened = open_dataset(); !opened) return opened;
   if (Status rendered = start_renderer(); !rendered) return rendered;
   run();

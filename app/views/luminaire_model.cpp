@@ -8,6 +8,7 @@
 #include "app/session/beside.h"
 #include "app/session/guarded.h"
 #include "app/session/preview_memory.h"
+#include "renderer/methods/table_memory.h"
 
 namespace lumifield {
 
@@ -173,7 +174,7 @@ void LuminaireModel::read(const LoadPointer& load, const std::filesystem::path& 
   const Result<DatasetIndex> index = read_dataset_index(folder);
   if (!index) return end(load, index.error());
   // Every cell's image is kept.
-  if (const Status fits = check_preview_memory(index->manifest.geometry, physical_memory_bytes()); !fits)
+  if (const Status fits = check_preview_memory(index->manifest.geometry, host_memory_bytes()); !fits)
     return end(load, fits.error());
   load->post(load, [load, manifest = index->manifest](LuminaireModel& model) { model.take_begun(load, manifest); });
   QStringList notes = texts(index->notes);

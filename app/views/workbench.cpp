@@ -7,6 +7,7 @@
 #include "app/session/preview_memory.h"
 #include "calibration/develop.h"
 #include "luminaire/plan.h"
+#include "renderer/methods/table_memory.h"
 
 namespace lumifield {
 
@@ -152,7 +153,7 @@ void Workbench::prepare(const std::filesystem::path& bench_file, const std::file
     if (!plan) return refuse(plan.error());
     if (const auto steps = make_scan_plan(*bench, *plan); !steps) return refuse(steps.error());
     // The window keeps every cell's image.
-    if (const Status fits = check_preview_memory(luminaire_geometry(*bench, *plan), physical_memory_bytes()); !fits)
+    if (const Status fits = check_preview_memory(luminaire_geometry(*bench, *plan), host_memory_bytes()); !fits)
       return refuse(fits.error());
     ScanRequest request;
     request.bench = std::move(*bench);

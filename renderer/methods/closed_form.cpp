@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include "renderer/methods/axis_weights.h"
 #include "renderer/methods/horizon.h"
@@ -14,6 +15,7 @@ struct ClosedForm::Impl {
     Vec2 u_mm;
     std::shared_ptr<const CellImage> image;
     std::vector<std::vector<ImageLevel>> means, deviations;  ///< by channel; empty where all is exact
+    void make_deviations();
   };
   /// A level of detail of a cell's images, or what bounds its error.
   struct Values {
@@ -33,6 +35,7 @@ struct ClosedForm::Impl {
   Basis basis;
   double pixels_per_support;
   std::vector<Cell> cells;
+  std::once_flag deviations_made;  ///< when a bound is first asked for
 
   int level(const Receiver& receiver) const;
   std::vector<double> sum_of(const Receiver& receiver, bool deviation) const;
@@ -41,7 +44,8 @@ struct ClosedForm::Impl {
 };
 
 ClosedForm::ClosedForm(const LightField& light_field, double pixels_per_support)
-    : impl_(new Impl{light_field.geometry(), Basis(light_field.geometry().sampling.basis), pixels_per_support, {}}) {
+    : impl_(
+          new Impl{light_field.geometry(), Basis(light_field.geometry().sampling.basis), pixels_per_support, {}, {}}) {
   const Sampling& sampling = impl_->geometry.sampling;
   for (int flat = 0; flat < sampling.cells(); ++flat) {
     const CellIndex index = sampling.index(flat);
@@ -49,15 +53,19 @@ ClosedForm::ClosedForm(const LightField& light_field, double pixels_per_support)
     if (!image) continue;
     Impl::Cell cell{sampling.cell_center_mm(index), std::move(image), {}, {}};
     const int width = cell.image->width_px, height = cell.image->height_px;
-    for (int c = 0; pixels_per_support > 0 && c < cell.image->channels; ++c) {
+    for (int c = 0; pixels_per_support > 0 && c < cell.image->channels; ++c)
       cell.means.push_back(coarse_levels(cell.image->channel(c), width, height));
-      cell.deviations.push_back(coarse_deviations(cell.image->channel(c), width, height));
-    }
     impl_->cells.push_back(std::move(cell));
   }
 }
 
 ClosedForm::~ClosedForm() = default;
+
+void ClosedForm::Impl::Cell::make_deviations() {
+  for (std::size_t c = 0; c < means.size(); ++c)
+    deviations.push_back(
+        coarse_deviations(image->channel(static_cast<int>(c)), image->width_px, image->height_px, means[c]));
+}
 
 /// ∬ φφ max(0, n·(u−p)) over one pixel's part of the support.
 double ClosedForm::Impl::weight(const HorizonPlane& g, const AxisWeights::Pixel& x, const AxisWeights::Pixel& y,
@@ -124,6 +132,9 @@ std::vector<double> ClosedForm::Impl::sum_of(const Receiver& receiver, bool devi
 std::vector<double> ClosedForm::irradiance(const Receiver& receiver) const { return impl_->sum_of(receiver, false); }
 
 std::vector<double> ClosedForm::detail_error_bound(const Receiver& receiver) const {
+  std::call_once(impl_->deviations_made, [this] {
+    for (Impl::Cell& cell : impl_->cells) cell.make_deviations();
+  });
   return impl_->sum_of(receiver, true);
 }
 

@@ -22,12 +22,18 @@ Status DeviceMethod::set_cells(const LightField& light_field) {
   return taken;
 }
 
+Status check_finite(std::span<const Receiver> receivers) {
+  for (std::size_t k = 0; k < receivers.size(); ++k)
+    if (!receivers[k].p_mm.allFinite() || !receivers[k].n.allFinite())
+      return fail("has NaN or Inf", "receiver " + std::to_string(k), "give finite numbers");
+  return {};
+}
+
 Status DeviceMethod::set_receivers(std::span<const Receiver> receivers) {
   if (receivers.size() > std::size_t(1) << 30) return fail("more than 2^30 receivers", "receivers", "render in parts");
+  if (const Status finite = check_finite(receivers); !finite) return finite;
   for (std::size_t k = 0; k < receivers.size(); ++k) {
     const Receiver& r = receivers[k];
-    if (!r.p_mm.allFinite() || !r.n.allFinite())
-      return fail("has NaN or Inf", "receiver " + std::to_string(k), "give finite numbers");
     if (!(r.p_mm.z() > 0) || r.n == Vec3(0, 0, 0)) continue;
     if (const Status good = check_receiver(r); !good) {
       Error error = good.error();

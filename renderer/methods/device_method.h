@@ -69,6 +69,9 @@ class DeviceMethod {
   bool has_cells_ = false, has_receivers_ = false, begun_ = false;
 };
 
+/// Refuses NaN and Inf, the receiver named.
+Status check_finite(std::span<const Receiver> receivers);
+
 /// The reference runs on the host. Errors: no OpenCL device, settings outside their range or that the kernels have no
 /// use for.
 Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry& geometry,

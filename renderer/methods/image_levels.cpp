@@ -53,8 +53,9 @@ std::vector<ImageLevel> coarse_levels(const float* channel, int width_px, int he
   return all_halved(channel, width_px, height_px, 0, [](double sum, double a, double b) { return sum + (a + b) / 4; });
 }
 
-std::vector<ImageLevel> coarse_deviations(const float* channel, int width_px, int height_px) {
-  std::vector<ImageLevel> deviations = coarse_levels(channel, width_px, height_px);
+std::vector<ImageLevel> coarse_deviations(const float* channel, int width_px, int height_px,
+                                          const std::vector<ImageLevel>& means) {
+  std::vector<ImageLevel> deviations = means;
   const std::vector<ImageLevel> least =
       all_halved(channel, width_px, height_px, HUGE_VAL, [](double m, double a, double b) {
         return std::min({m, a, b});

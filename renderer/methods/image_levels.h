@@ -20,7 +20,8 @@ std::vector<ImageLevel> coarse_levels(const float* channel, int width_px, int he
 
 /// The same levels of max(C_max − C̄, C̄ − C_min), C the padded image's values whose mean C̄ a pixel holds: the most that
 /// one of them is off it.
-std::vector<ImageLevel> coarse_deviations(const float* channel, int width_px, int height_px);
+std::vector<ImageLevel> coarse_deviations(const float* channel, int width_px, int height_px,
+                                          const std::vector<ImageLevel>& means);
 
 /// The finest level at which a support of `span_px` pixels of level 0 spans at most `pixels_per_support`; 0 where that
 /// is 0, and no coarser than `coarsest`.

@@ -30,7 +30,7 @@ double host_table_bytes(const LuminaireGeometry& geometry, const MethodSettings&
     }
     case Method::uniform_box:
     case Method::far_field:  // its table is bounded where it is made
-      return 0;
+      break;
   }
   return 0;
 }

@@ -55,9 +55,9 @@ Answer step(const StudyBench& bench, const MethodSettings& settings, std::unique
     auto made = bench.make(settings);
     if (!made) return refused(made.error());
     method = std::move(*made);
+    if (Status set = method->set_receivers(bench.frame().receivers); !set) return refused(set.error());
   }
   if (Status set = method->set_samples(settings.samples, settings.seed); !set) return refused(set.error());
-  if (Status set = method->set_receivers(bench.frame().receivers); !set) return refused(set.error());
   // The first evaluation compiles the kernel and tells how often it can be repeated.
   std::vector<double> e;
   const auto first = timed_evaluation(*method, bench.frame().receivers, 1, e);
@@ -81,6 +81,12 @@ Answer step_at_full_size(const StudyBench& bench, const MethodSettings& settings
   return {std::move(point)};
 }
 
+/// Why a method has no point.
+StabilityRow row_without(const StudyBench& bench, Method method, const char* where, const Answer& answer) {
+  return {method, "luminaire " + bench.luminaire().name + where, answer.without, std::nan(""),
+          answer.point.error().message()};
+}
+
 }  // namespace
 
 tl::unexpected<Error> study_stopped() {
@@ -102,8 +108,7 @@ Result<Climb> climb_ladder(const StudyBench& bench, bool quick, const StudyProgr
       Answer answer = step(bench, settings_of(each.method, cost), method);
       if (!answer.point && each.method == Method::closed_form) return tl::unexpected(answer.point.error());
       if (!answer.point) {
-        climb.without.push_back({each.method, "luminaire " + bench.luminaire().name, answer.without, std::nan(""),
-                                 answer.point.error().message()});
+        climb.without.push_back(row_without(bench, each.method, "", answer));
         std::erase_if(climb.points, [&](const StudyPoint& p) { return p.method == each.method; });
         continue;
       }
@@ -128,8 +133,7 @@ Status confirm_at_full_size(const StudyBench& bench, StudyCamera& camera, bool q
     if (climb.is_without(each.method)) continue;
     Answer answer = step_at_full_size(bench, settings_of(each.method, each.confirm), frame->receivers, quick ? 1 : 3);
     if (!answer.point) {
-      climb.without.push_back({each.method, "luminaire " + bench.luminaire().name + " at 1024x768", answer.without,
-                               std::nan(""), answer.point.error().message()});
+      climb.without.push_back(row_without(bench, each.method, " at 1024x768", answer));
       continue;
     }
     answer.point->method = each.method;

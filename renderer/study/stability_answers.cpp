@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "renderer/methods/host_evaluation.h"
+#include "renderer/methods/device_method.h"
+#include "renderer/methods/host_method.h"
 #include "renderer/study/definition_quadrature.h"
 #include "renderer/study/stability_judge.h"
 
@@ -19,9 +20,7 @@ MethodSettings settings_of(Method method, const StabilityCase& each, int seed) {
 
 Status add_host(const StabilityCase& each, const LightField& light_field, const MethodSettings& settings,
                 StabilityAnswers& answers) {
-  // The role that checks receivers.
-  HostEvaluation role(light_field.geometry(), settings);
-  if (const Status taken = role.set_receivers(each.receivers); !taken) return taken;
+  if (const Status finite = check_finite(each.receivers); !finite) return finite;
   const auto form = make_host_method(light_field, settings);
   if (!form) return tl::unexpected(form.error());
   std::vector<Estimate> estimates;

@@ -13,6 +13,7 @@
 #include "app/session/preview_memory.h"
 #include "app/session/provenance.h"
 #include "calibration/develop.h"
+#include "renderer/methods/table_memory.h"
 #include "tests/support/small_bench.h"
 
 namespace lumifield {
@@ -222,7 +223,7 @@ TEST_F(ScanSessionTest, APreviewIsBoundedByMemory) {
   const double bytes = 6.0 * 24 * 18 * 4;
   EXPECT_TRUE(check_preview_memory(geometry, 2 * bytes));
   EXPECT_FALSE(check_preview_memory(geometry, 2 * bytes - 1));
-  EXPECT_GT(physical_memory_bytes(), 1e8);
+  EXPECT_GT(host_memory_bytes(), 1e8);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "renderer/opencl/device.h"
 #include "renderer/renderer.h"
 #include "renderer/study/synthetic_luminaire.h"
+#include "tests/support/small_luminaire.h"
 
 namespace lumifield {
 namespace {
@@ -23,20 +24,10 @@ class DeviceMethods : public testing::Test {
 };
 
 LightField small_luminaire(BasisKind basis, int channels) {
-  return make_luminaire({.name = "small",
-                         .basis = basis,
-                         .separation_mm = 60,
-                         .spacing_mm = 16,
-                         .columns = 4,
-                         .rows = 3,
-                         .pixels = 70,
-                         .pixel_mm = 1,
-                         .lobes = 8,
-                         .spread_mm = 30,
-                         .least_width_mm = 2,
-                         .greatest_width_mm = 12,
-                         .seed = 5},
-                        channels);
+  SyntheticLuminaire small = test::small_luminaire();
+  small.basis = basis;
+  small.seed = 5;
+  return make_luminaire(small, channels);
 }
 
 std::vector<Receiver> receivers(bool before_s) {

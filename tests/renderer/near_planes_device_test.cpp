@@ -8,6 +8,7 @@
 #include "renderer/methods/position_dependent_printed.h"
 #include "renderer/renderer.h"
 #include "renderer/study/synthetic_luminaire.h"
+#include "tests/support/small_luminaire.h"
 
 namespace lumifield {
 namespace {
@@ -78,20 +79,7 @@ TEST_F(NearPlanes, ThePrintedMethodHasItsDigitsAtItsLimit) {
   EXPECT_LT(apart(field, {.method = Method::position_dependent_printed, .samples = 50}, at), 1e-5);
 }
 
-LightField whole_luminaire() {
-  return make_luminaire({.name = "small",
-                         .separation_mm = 60,
-                         .spacing_mm = 16,
-                         .columns = 4,
-                         .rows = 3,
-                         .pixels = 70,
-                         .pixel_mm = 1,
-                         .lobes = 8,
-                         .spread_mm = 30,
-                         .least_width_mm = 2,
-                         .greatest_width_mm = 12},
-                        1);
-}
+LightField whole_luminaire() { return make_luminaire(test::small_luminaire()); }
 
 TEST_F(NearPlanes, KernelsKeepTheirDigitsNearU) {
   const LightField field = whole_luminaire();
@@ -124,7 +112,9 @@ TEST_F(NearPlanes, WhatIsNearerToUCountsAsThatNearAndOnUThereIsNoLight) {
         if (z == least_height_mm) {
           least[0] = e;
           least[1] = got[0];
-          if (each.method != Method::uniform_box && each.method != Method::far_field) EXPECT_GT(e, 0) << each.name;
+          if (each.method != Method::uniform_box && each.method != Method::far_field) {
+            EXPECT_GT(e, 0) << each.name;
+          }
         }
         EXPECT_EQ(e, z > 0 ? least[0] : 0) << each.name << ", " << z;
         EXPECT_EQ(got[0], z > 0 ? least[1] : 0) << each.name << ", " << z;

@@ -10,24 +10,18 @@
 #include "renderer/sampling/piecewise_constant_2d.h"
 #include "renderer/sampling/sample_counts.h"
 #include "renderer/study/synthetic_luminaire.h"
+#include "tests/support/small_luminaire.h"
 
 namespace lumifield {
 namespace {
 
 LightField small_luminaire(int channels = 1) {
-  return make_luminaire({.name = "small",
-                         .separation_mm = 60,
-                         .spacing_mm = 8,
-                         .columns = 4,
-                         .rows = 3,
-                         .pixels = 40,
-                         .pixel_mm = 2,
-                         .lobes = 8,
-                         .spread_mm = 30,
-                         .least_width_mm = 2,
-                         .greatest_width_mm = 12,
-                         .seed = 5},
-                        channels);
+  SyntheticLuminaire small = test::small_luminaire();
+  small.spacing_mm = 8;
+  small.pixels = 40;
+  small.pixel_mm = 2;
+  small.seed = 5;
+  return make_luminaire(small, channels);
 }
 
 struct Case {

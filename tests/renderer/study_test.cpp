@@ -200,13 +200,14 @@ TEST_F(StudyOfASmallLuminaire, AMethodThatRefusesTheLuminaireIsToldAndTheOthersG
   EXPECT_TRUE(paper_figures(**bench, true, go_on)->empty()) << "the paper has none of this luminaire";
 }
 
+StudyPoint point(Method method, double time_ms, double error) {
+  StudyPoint p{.method = method, .luminaire = "bike"};
+  p.time_ms = time_ms;
+  p.rel_rmse = error;
+  return p;
+}
+
 TEST(EqualError, IsReadFromTheLadders) {
-  const auto point = [](Method method, double time_ms, double error) {
-    StudyPoint p{.method = method, .luminaire = "bike"};
-    p.time_ms = time_ms;
-    p.rel_rmse = error;
-    return p;
-  };
   // Error falls as 1/√time: 0.5 % at 400 ms, 0.1 % at 10 s, beyond the ladder.
   const std::vector<StudyPoint> points{
       point(Method::closed_form, 8, 1e-7), point(Method::closed_form, 4, 4e-3), point(Method::closed_form, 2, 0.03),
@@ -221,12 +222,6 @@ TEST(EqualError, IsReadFromTheLadders) {
 }
 
 TEST(EqualError, SaysThatATimeIsBeyondEitherEndOfALadder) {
-  const auto point = [](Method method, double time_ms, double error) {
-    StudyPoint p{.method = method, .luminaire = "bike"};
-    p.time_ms = time_ms;
-    p.rel_rmse = error;
-    return p;
-  };
   // 0.5 % lies before the first point, where the line leads to 64 ms, and 0.1 % on it.
   const std::vector<StudyPoint> points{point(Method::closed_form, 8, 1e-7), point(Method::uniform_box, 400, 0.002),
                                        point(Method::uniform_box, 1600, 0.001)};
