@@ -99,6 +99,13 @@ Status Renderer::set_view(const SceneCamera& camera, int width_px, int height_px
   return {};
 }
 
+Status Renderer::set_placements(const std::vector<ScenePlacement>& placements) {
+  if (const Status placed = check_placements(placements); !placed) return placed;
+  impl_->placements = placements;
+  impl_->clear();
+  return {};
+}
+
 Status Renderer::hand_over() { return impl_->hand_over(); }
 
 Status Renderer::keep_cell(CellIndex cell, std::shared_ptr<const CellImage> image) {

@@ -38,6 +38,8 @@ class Renderer {
   /// Another view: draws it and clears the sums, so that all cells wait. A view that is refused leaves all as it was.
   /// `lod` is the closed form's level of detail T, pixels per support and axis; 0 is exact.
   Status set_view(const SceneCamera& camera, int width_px, int height_px, double lod = 0);
+  /// Moves the luminaires of the scene, or takes others; all cells wait. Errors: those of create; then all stays.
+  Status set_placements(const std::vector<ScenePlacement>& placements);
   /// Another way to compute the irradiance, the closed form until then; all cells wait. Of methods other than that the
   /// cells share samples or tables: a cell that comes has all of them wait, and they are computed together, in pieces
   /// of receivers. Errors: settings outside their range, a method that this device or luminaire cannot take; then all
@@ -59,8 +61,8 @@ class Renderer {
   bool waits(CellIndex cell) const;
   /// Cells in the sums.
   int summed() const;
-  /// Sums some that wait: as many as take about `seconds` by the time that the last ones took, at least those of a row of
-  /// the grid, which share so much that the first costs as much as all the others.
+  /// Sums some that wait: as many as take about `seconds` by the time that the last ones took, at least those of a row
+  /// of the grid, which share so much that the first costs as much as all the others.
   Status sum_some(double seconds);
   /// What one more cell costs in this view by the time that the last ones took, seconds; 0 before the first.
   double cell_s() const;

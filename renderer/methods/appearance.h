@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "renderer/methods/gloss_shared.h"
+#include "renderer/visibility/tile_visibility.h"
+
+namespace lumifield {
+
+/// How receivers look, besides diffuse and unoccluded. Value type.
+struct Appearance {
+  std::vector<GlossLobe> gloss;  ///< one for each receiver, the eye in the luminaire frame; empty: all are diffuse
+  TileVisibility visible;        ///< of each receiver; empty: all see all
+
+  /// Values of glossy radiance a receiver: one for each channel, or three where one channel's light is coloured by a
+  /// lobe; 0 where all are diffuse.
+  std::size_t gloss_channels(std::size_t channels) const;
+};
+
+}  // namespace lumifield
