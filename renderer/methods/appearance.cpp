@@ -6,11 +6,13 @@
 
 namespace lumifield {
 
+bool Appearance::is_grey() const {
+  return std::ranges::all_of(gloss, [](const GlossLobe& l) { return l.kind == LOBE_NONE || lumifield::is_grey(l); });
+}
+
 std::size_t Appearance::gloss_channels(std::size_t channels) const {
-  if (gloss.empty()) return 0;
-  const bool grey =
-      std::ranges::all_of(gloss, [](const GlossLobe& lobe) { return lobe.kind == LOBE_NONE || is_grey(lobe); });
-  return grey ? channels : 3;
+  const bool shines = std::ranges::any_of(gloss, [](const GlossLobe& l) { return l.kind != LOBE_NONE; });
+  return !shines ? 0 : is_grey() ? channels : 3;
 }
 
 }  // namespace lumifield

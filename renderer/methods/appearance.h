@@ -12,6 +12,8 @@ struct Appearance {
   std::vector<GlossLobe> gloss;  ///< one for each receiver, the eye in the luminaire frame; empty: all are diffuse
   TileVisibility visible;        ///< of each receiver; empty: all see all
 
+  /// Whether no lobe is coloured.
+  bool is_grey() const;
   /// Values of glossy radiance a receiver: one for each channel, or three where one channel's light is coloured by a
   /// lobe; 0 where all are diffuse.
   std::size_t gloss_channels(std::size_t channels) const;

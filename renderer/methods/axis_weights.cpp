@@ -16,7 +16,8 @@ double offset_on_s(const ReceiverAxis& receiver, double u, double s) {
 /// Moments of one pixel [low, high]; `width` is its exact width where no knot cuts it.
 AxisWeights::Pixel pixel_moments(const Basis& basis, double low, double high, double width) {
   const double half = basis.half_support();
-  AxisWeights::Pixel pixel{std::max(low, -half), std::min(high, half), 0, 0};
+  AxisWeights::Pixel pixel{std::max(low, -half), std::min(high, half), 0, 0, 0};
+  if (low > -half && high < half) pixel.width = width;
   for (const Basis::Piece& piece : basis.pieces()) {
     const double a = std::max(low, piece.begin), b = std::min(high, piece.end);
     if (a >= b) continue;

@@ -34,6 +34,7 @@ struct AxisWeights {
   struct Pixel {
     double low, high;  ///< τ, clipped to the support
     double w0, w1;
+    double width = 0;  ///< exact, of a pixel that nothing clips; else 0
   };
   int first = 0;  ///< index of pixels[0] on S
   std::vector<Pixel> pixels;

@@ -146,27 +146,6 @@ INLINE void add_cut(const ClosedFormGeometry* geometry, const ReceiverView* view
 
 #include "renderer/methods/closed_form_grid.clh"
 
-INLINE int is_lit(const ClosedFormReceiver receiver) {
-  return receiver.p_z > 0 && (receiver.n_x != 0 || receiver.n_y != 0 || receiver.n_z != 0);
-}
-
-// What follows from the receiver alone.
-INLINE ReceiverView view_of(const ClosedFormGeometry* geometry, const ClosedFormReceiver receiver,
-                            __global const ClosedFormLevel* levels) {
-  const double2 spacing = (double2)(geometry->spacing_x, geometry->spacing_y);
-  const double2 pixel = (double2)(geometry->pixel_x, geometry->pixel_y);
-  const double2 pixels_per_mm = (double2)(geometry->pixels_per_mm_x, geometry->pixels_per_mm_y);
-  const double forward = receiver.p_z >= geometry->separation ? 1 : -1;
-  ReceiverView view;
-  view.at = receiver;
-  view.axes = receiver_axes((double2)(receiver.p_x, receiver.p_y), receiver.p_z, geometry->separation, spacing, pixel,
-                            pixels_per_mm, forward * (double2)(receiver.n_x, receiver.n_y) * spacing, geometry->lod,
-                            geometry->levels);
-  view.level = levels[view.axes.level];
-  view.span = HALF * (fabs(view.axes.tilt.x) + fabs(view.axes.tilt.y));
-  return view;
-}
-
 INLINE void add_sums(const ClosedFormGeometry* geometry, const ReceiverView* view, const double8* sum,
                      __global double* sums) {
   const double z = view->at.p_z, separation = geometry->separation;
@@ -252,4 +231,7 @@ __kernel void closed_form_layout(__global int* layout) {
   layout[11] = (int)((char*)&cell.column - (char*)&cell);
   layout[12] = sizeof grid;
   layout[13] = (int)((char*)&grid.rows - (char*)&grid);
+  ClosedFormTiles tiles;
+  layout[14] = sizeof tiles;
+  layout[15] = (int)((char*)&tiles.first - (char*)&tiles);
 }

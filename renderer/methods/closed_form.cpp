@@ -2,46 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 
-#include "renderer/methods/axis_weights.h"
-#include "renderer/methods/horizon.h"
-#include "renderer/methods/image_levels.h"
+#include "renderer/methods/closed_form_impl.h"
 
 namespace lumifield {
-
-struct ClosedForm::Impl {
-  struct Cell {
-    Vec2 u_mm;
-    std::shared_ptr<const CellImage> image;
-    std::vector<std::vector<ImageLevel>> means, deviations;  ///< by channel; empty where all is exact
-    void make_deviations();
-  };
-  /// A level of detail of a cell's images, or what bounds its error.
-  struct Values {
-    const Cell& cell;
-    int level;
-    bool deviation;
-
-    double at(int channel, int i, int j) const {
-      if (level == 0) return deviation ? 0 : cell.image->at(channel, i, j);
-      const auto& levels = (deviation ? cell.deviations : cell.means)[static_cast<std::size_t>(channel)];
-      const ImageLevel& image = levels[static_cast<std::size_t>(level - 1)];
-      return image
-          .value[static_cast<std::size_t>(j) * static_cast<std::size_t>(image.width_px) + static_cast<std::size_t>(i)];
-    }
-  };
-  LuminaireGeometry geometry;
-  Basis basis;
-  double pixels_per_support;
-  std::vector<Cell> cells;
-  std::once_flag deviations_made;  ///< when a bound is first asked for
-
-  int level(const Receiver& receiver) const;
-  std::vector<double> sum_of(const Receiver& receiver, bool deviation) const;
-  void add(const Receiver& receiver, const Values& values, std::vector<double>& sum) const;
-  double weight(const HorizonPlane& g, const AxisWeights::Pixel& x, const AxisWeights::Pixel& y, bool above) const;
-};
 
 ClosedForm::ClosedForm(const LightField& light_field, double pixels_per_support)
     : impl_(
@@ -51,7 +15,7 @@ ClosedForm::ClosedForm(const LightField& light_field, double pixels_per_support)
     const CellIndex index = sampling.index(flat);
     auto image = light_field.cell(index);
     if (!image) continue;
-    Impl::Cell cell{sampling.cell_center_mm(index), std::move(image), {}, {}};
+    Impl::Cell cell{index, sampling.cell_center_mm(index), std::move(image), {}, {}};
     const int width = cell.image->width_px, height = cell.image->height_px;
     for (int c = 0; pixels_per_support > 0 && c < cell.image->channels; ++c)
       cell.means.push_back(coarse_levels(cell.image->channel(c), width, height));
@@ -83,28 +47,40 @@ int ClosedForm::Impl::level(const Receiver& receiver) const {
   return level_of_detail(pixels_per_support, span, coarsest_level(m.width_px, m.height_px));
 }
 
-void ClosedForm::Impl::add(const Receiver& receiver, const Values& values, std::vector<double>& sum) const {
-  // Classify the support against the receiver's horizon.
-  const Sampling& sampling = geometry.sampling;
-  const Vec2 a = sampling.spacing_mm, u = values.cell.u_mm;
+HorizonPlane ClosedForm::Impl::plane(const Receiver& receiver, const Cell& cell) const {
+  const Vec2 a = geometry.sampling.spacing_mm, u = cell.u_mm;
   const Vec3 &p = receiver.p_mm, &n = receiver.n;
-  const double half = basis.half_support();
-  const HorizonPlane g{n.x() * (u.x() - p.x()) + n.y() * (u.y() - p.y()) - n.z() * p.z(), n.x() * a.x(), n.y() * a.y()};
-  const BasisRectangle support{-half, half, -half, half};
-  if (highest(g, support) <= 0) return;
-  const bool above = lowest(g, support) >= 0;
+  return {n.x() * (u.x() - p.x()) + n.y() * (u.y() - p.y()) - n.z() * p.z(), n.x() * a.x(), n.y() * a.y()};
+}
 
-  // Weights of both axes over the level's pixels.
+std::pair<AxisWeights, AxisWeights> ClosedForm::Impl::axes(const Receiver& receiver, const Values& values) const {
   const Measurement& m = geometry.measurement;
+  const Vec2 a = geometry.sampling.spacing_mm, u = values.cell.u_mm;
+  const Vec3& p = receiver.p_mm;
   const double delta = geometry.planes.separation_mm;
   const double times = std::ldexp(1.0, values.level);
   const Vec2 corner = m.corner_mm(), pixel = m.pixel_mm * times;
   const int width = static_cast<int>(std::ceil(m.width_px / times));
   const int height = static_cast<int>(std::ceil(m.height_px / times));
-  const AxisWeights x = axis_weights(basis, {delta, p.z(), p.x()}, {u.x(), a.x(), corner.x(), pixel.x(), width});
-  const AxisWeights y = axis_weights(basis, {delta, p.z(), p.y()}, {u.y(), a.y(), corner.y(), pixel.y(), height});
+  return {axis_weights(basis, {delta, p.z(), p.x()}, {u.x(), a.x(), corner.x(), pixel.x(), width}),
+          axis_weights(basis, {delta, p.z(), p.y()}, {u.y(), a.y(), corner.y(), pixel.y(), height})};
+}
+
+double ClosedForm::Impl::factor(const Receiver& receiver) const {
+  const double delta = geometry.planes.separation_mm, z = receiver.p_mm.z();
+  return delta * delta * geometry.sampling.spacing_mm.prod() / (z * z * z);
+}
+
+void ClosedForm::Impl::add(const Receiver& receiver, const Values& values, std::vector<double>& sum) const {
+  // Classify the support against the receiver's horizon.
+  const double half = basis.half_support();
+  const HorizonPlane g = plane(receiver, values.cell);
+  const BasisRectangle support{-half, half, -half, half};
+  if (highest(g, support) <= 0) return;
+  const bool above = lowest(g, support) >= 0;
 
   // Sum rows, then the cell.
+  const auto [x, y] = axes(receiver, values);
   std::vector<double> total(sum.size(), 0.0), row(sum.size());
   for (std::size_t j = 0; j < y.pixels.size(); ++j) {
     std::fill(row.begin(), row.end(), 0.0);
@@ -115,8 +91,7 @@ void ClosedForm::Impl::add(const Receiver& receiver, const Values& values, std::
     }
     for (std::size_t c = 0; c < row.size(); ++c) total[c] += row[c];
   }
-  const double scale = delta * delta * a.x() * a.y() / (p.z() * p.z() * p.z());
-  for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += scale * total[c];
+  for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += factor(receiver) * total[c];
 }
 
 std::vector<double> ClosedForm::Impl::sum_of(const Receiver& receiver, bool deviation) const {

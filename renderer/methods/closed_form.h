@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "luminaire/error.h"
 #include "luminaire/light_field.h"
+#include "renderer/methods/appearance.h"
 #include "renderer/methods/receiver.h"
 
 namespace lumifield {
@@ -34,6 +36,22 @@ class ClosedForm {
   /// over the level's pixels of mean C̄ and weight g; 0 where all is exact.
   std::vector<double> detail_error_bound(const Receiver& receiver) const;
 
+  /// What a glossy receiver that sees a part of U gets, the sum split at the tiles of U (TileGrid) and at the
+  /// `division`-th parts of them, subtiles:
+  ///
+  ///     E = δ²/(δ+Δ)³ Σ_m Σ_subtiles v ∫ C_m(s(u)) Φ_m(u) max(0, n·(u−p)) du,   the same with f(u) in it for gloss
+  ///
+  /// v is what the light of a subtile is multiplied by; f, the lobe, is taken at the subtiles' corners and bilinear
+  /// between them, which keeps the integrand C times a polynomial and the error second order in the subtiles' size (at
+  /// a cut horizon f is that at the middle of each pixel's part). `gloss` is in R, G, B where one channel's light is
+  /// coloured by the lobe, else by channel; empty for LOBE_NONE.
+  struct Light {
+    std::vector<double> irradiance;  ///< per channel
+    std::vector<double> gloss;       ///< radiance towards the eye
+  };
+  using Share = std::function<double(CellIndex cell, int subtile_column, int subtile_row)>;
+  Light light(const Receiver& receiver, const GlossLobe& lobe, const Share& share, int division) const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
@@ -57,8 +75,9 @@ class ClosedFormDevice {
   /// Replaces the receivers and clears the sums. A receiver with n = 0 gets 0 (background of a picture).
   /// After an error of the device there are none. For pictures: 4 floats each, interleaved, p in mm and n, luminaire
   /// frame.
-  Status set_receivers(std::span<const Receiver> receivers);
-  Status set_receivers(std::span<const float> p_xyzw, std::span<const float> n_xyzw);
+  /// `appearance`: what they see of U, and how they shine; of other receivers or tiles it is refused.
+  Status set_receivers(std::span<const Receiver> receivers, const Appearance& appearance = {});
+  Status set_receivers(std::span<const float> p_xyzw, std::span<const float> n_xyzw, const Appearance& appearance = {});
 
   /// Adds one cell to all sums; with `replaces` adds the difference.
   Status add_cell(CellIndex cell, const CellImage& image, const CellImage* replaces = nullptr);
@@ -71,6 +90,8 @@ class ClosedFormDevice {
   /// E, receiver-major: receivers · channels.
   Status read(std::vector<float>& irradiance);
   Status read(std::vector<double>& irradiance);
+  /// Radiance by gloss towards the eye: receivers · gloss_channels of the appearance.
+  Status read_gloss(std::vector<double>& radiance);
 
   std::string device_name() const;
   /// Kernel time of the last add, seconds, from OpenCL's own profiling.

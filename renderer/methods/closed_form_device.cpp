@@ -7,6 +7,7 @@
 #include "renderer/methods/closed_form.h"
 #include "renderer/methods/closed_form_shared.h"
 #include "renderer/methods/closed_form_tile.h"
+#include "renderer/methods/closed_form_tiles_device.h"
 #include "renderer/methods/device_images.h"
 #include "renderer/opencl/device.h"
 
@@ -46,7 +47,8 @@ struct ClosedFormDevice::Impl {
   LuminaireGeometry geometry;
   std::unique_ptr<OpenClDevice> device;
   DeviceKernel kernel, grid_kernel;
-  std::size_t bunch = 1;  ///< receivers of a work-item of grid_kernel
+  std::optional<ClosedFormTilesDevice> tiles;  ///< of receivers in half-shadow, or that shine
+  std::size_t bunch = 1;                       ///< receivers of a work-item of grid_kernel
   ClosedFormGeometry shared{};
   DeviceImages layout;
   DeviceBuffer receivers, levels, sums;
@@ -63,7 +65,7 @@ struct ClosedFormDevice::Impl {
   Status make_room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose) const;
   template <class T>
   Status fill(DeviceBuffer& buffer, const std::vector<T>& values, std::string_view purpose) const;
-  Status take_receivers(const std::vector<ClosedFormReceiver>& all);
+  Status take_receivers(std::vector<ClosedFormReceiver>& all, const Appearance& appearance);
   Status add(std::span<const BatchCell> all);
   Status upload(std::span<const BatchCell> batch);
   Status run(const Tile& tile, std::size_t first_image);
@@ -117,6 +119,7 @@ Result<std::unique_ptr<ClosedFormDevice>> ClosedFormDevice::create(const Luminai
   if (!grid_kernel) return tl::unexpected(grid_kernel.error());
   impl->kernel = *kernel;
   impl->grid_kernel = *grid_kernel;
+  impl->tiles.emplace(*impl->device, impl->geometry);
   return std::unique_ptr<ClosedFormDevice>(new ClosedFormDevice(std::move(impl)));
 }
 
@@ -137,11 +140,12 @@ Status ClosedFormDevice::Impl::make_room(DeviceBuffer& buffer, std::size_t bytes
   return {};
 }
 
-Status ClosedFormDevice::Impl::take_receivers(const std::vector<ClosedFormReceiver>& all) {
+Status ClosedFormDevice::Impl::take_receivers(std::vector<ClosedFormReceiver>& all, const Appearance& appearance) {
   if (const auto bad = first_not_finite(all))
     return fail("has NaN or Inf", "receiver " + std::to_string(*bad), "give finite numbers");
   if (all.size() > std::size_t(1) << 30) return fail("more than 2^30 receivers", "receivers", "render in parts");
   shared.receivers = 0;  // until these are there
+  if (const Status taken = tiles->take(all, appearance); !taken) return taken;
   const std::size_t image_floats_before = layout.image_floats();
   layout = DeviceImages(geometry, next_lod > 0);
   if (layout.image_floats() != image_floats_before) on_device.clear();
@@ -158,15 +162,16 @@ Status ClosedFormDevice::Impl::take_receivers(const std::vector<ClosedFormReceiv
   return {};
 }
 
-Status ClosedFormDevice::set_receivers(std::span<const Receiver> receivers) {
+Status ClosedFormDevice::set_receivers(std::span<const Receiver> receivers, const Appearance& appearance) {
   std::vector<ClosedFormReceiver> all;
   all.reserve(receivers.size());
   for (const Receiver& r : receivers)
     all.push_back({r.p_mm.x(), r.p_mm.y(), lit_height_mm(r.p_mm.z()), r.n.x(), r.n.y(), r.n.z()});
-  return impl_->take_receivers(all);
+  return impl_->take_receivers(all, appearance);
 }
 
-Status ClosedFormDevice::set_receivers(std::span<const float> p_xyzw, std::span<const float> n_xyzw) {
+Status ClosedFormDevice::set_receivers(std::span<const float> p_xyzw, std::span<const float> n_xyzw,
+                                       const Appearance& appearance) {
   if (p_xyzw.size() != n_xyzw.size() || p_xyzw.size() % 4 != 0)
     return fail("positions and normals are not 4 floats each", "receivers", "give as many of both");
   std::vector<ClosedFormReceiver>& all = impl_->of_picture;
@@ -176,7 +181,7 @@ Status ClosedFormDevice::set_receivers(std::span<const float> p_xyzw, std::span<
       all[k] = {p_xyzw[4 * k], p_xyzw[4 * k + 1], lit_height_mm(p_xyzw[4 * k + 2]),
                 n_xyzw[4 * k], n_xyzw[4 * k + 1], n_xyzw[4 * k + 2]};
   });
-  return impl_->take_receivers(all);
+  return impl_->take_receivers(all, appearance);
 }
 
 template <class T>
@@ -232,7 +237,7 @@ Status ClosedFormDevice::Impl::run(const Tile& tile, std::size_t first_image) {
   }
   if (auto filled = fill(cells, table, "cells"); !filled) return filled;
   const bool dense = tile.is_dense();
-  if (dense)
+  if (dense || !tiles->empty())
     if (auto prepared = prepare_grid(tile); !prepared) return prepared;
   DeviceKernel& runs = dense ? grid_kernel : kernel;
   shared.cells = static_cast<int>(table.size());
@@ -247,6 +252,11 @@ Status ClosedFormDevice::Impl::run(const Tile& tile, std::size_t first_image) {
       device->run(runs, (static_cast<std::size_t>(shared.receivers) + each - 1) / each, each > 1 ? 1 : work_group);
   if (!seconds) return tl::unexpected(seconds.error());
   last_kernel_s += *seconds;
+  if (tiles->empty()) return {};
+  const auto more =
+      tiles->run({shared, {tile.columns, tile.rows}, tile.first, cells, images, levels, sums, centers, row_begins});
+  if (!more) return tl::unexpected(more.error());
+  last_kernel_s += *more;
   return {};
 }
 
@@ -303,6 +313,8 @@ Status ClosedFormDevice::read(std::vector<double>& irradiance) {
   irradiance.resize(static_cast<std::size_t>(impl_->shared.receivers) * impl_->channels());
   return impl_->device->read(impl_->sums, std::as_writable_bytes(std::span(irradiance)));
 }
+
+Status ClosedFormDevice::read_gloss(std::vector<double>& radiance) { return impl_->tiles->read_gloss(radiance); }
 
 Status ClosedFormDevice::read(std::vector<float>& irradiance) {
   std::vector<double> sums;

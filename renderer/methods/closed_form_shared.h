@@ -40,6 +40,15 @@ typedef struct ClosedFormGrid {
   int columns, rows;
 } ClosedFormGrid;
 
+/// The tiles of U (renderer/visibility/tile_grid.h), and which receivers of a list a run takes.
+typedef struct ClosedFormTiles {
+  int columns, rows;
+  int row_words;                ///< of a receiver's bits, 0: it sees all
+  int mean;                     ///< a cell's light is weighed by the mean of its tiles' bits
+  int first_column, first_row;  ///< of the run's grid, in cells
+  int first, receivers;         ///< of the list
+} ClosedFormTiles;
+
 #ifndef __OPENCL_C_VERSION__
 #include <cstddef>
 static_assert(sizeof(double) == 8 && sizeof(int) == 4);
@@ -50,4 +59,5 @@ static_assert(sizeof(ClosedFormReceiver) == 48 && offsetof(ClosedFormReceiver, n
 static_assert(sizeof(ClosedFormCell) == 32 && offsetof(ClosedFormCell, sign) == 16 &&
               offsetof(ClosedFormCell, image) == 24 && offsetof(ClosedFormCell, column) == 28);
 static_assert(sizeof(ClosedFormGrid) == 8 && offsetof(ClosedFormGrid, rows) == 4);
+static_assert(sizeof(ClosedFormTiles) == 32 && offsetof(ClosedFormTiles, first) == 24);
 #endif

@@ -1,0 +1,165 @@
+#include "renderer/methods/closed_form_tiles.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderer/methods/closed_form_impl.h"
+#include "renderer/methods/gloss.h"
+
+namespace lumifield {
+
+namespace {
+
+/// The part of a pixel in one subtile of a support, ξ running from 0 to 1 over the subtile: h0, h1 are ∫φ(1 − ξ) and
+/// ∫φξ, g0 and g1 the same with τ in it.
+struct Segment {
+  int pixel, subtile;
+  double low, high;  ///< τ
+  double h0, h1, g0, g1;
+};
+
+std::vector<Segment> segments_of(const Basis& basis, const AxisWeights& axis, int division) {
+  std::vector<Segment> segments;
+  const double half = basis.half_support();
+  const int subtiles = basis.overlap() * division;
+  for (std::size_t i = 0; i < axis.pixels.size(); ++i)
+    for (int k = 0; k < subtiles; ++k) {
+      const AxisWeights::Pixel& pixel = axis.pixels[i];
+      const double begin = -half + static_cast<double>(k) / division,
+                   end = -half + static_cast<double>(k + 1) / division;
+      const double low = std::max(pixel.low, begin), high = std::min(pixel.high, end);
+      if (low >= high) continue;
+      const bool whole = pixel.width > 0 && low == pixel.low && high == pixel.high;
+      const double exact = whole ? pixel.width / (high - low) : 1;
+      const double w0 = exact * basis.moment(0, low, high), w1 = exact * basis.moment(1, low, high),
+                   w2 = exact * basis.moment(2, low, high);
+      const double h1 = division * (w1 - begin * w0), g1 = division * (w2 - begin * w1);
+      segments.push_back({static_cast<int>(i), k, low, high, w0 - h1, h1, w1 - g1, g1});
+    }
+  return segments;
+}
+
+using Rgb = std::array<double, 3>;
+
+/// The lobe at the corners of all subtiles.
+class CornerLobes {
+ public:
+  CornerLobes(const TileGrid& grid, const Receiver& receiver, const GlossLobe& lobe, int division)
+      : columns_(grid.columns * division + 1) {
+    const int rows = grid.rows * division + 1;
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns_; ++column) {
+        const Vec2 u = grid.corner_mm + grid.size_mm.cwiseProduct(Vec2(column, row)) / division;
+        const Vec3 to_light(u.x() - receiver.p_mm.x(), u.y() - receiver.p_mm.y(), -receiver.p_mm.z());
+        values_.push_back(glossy_brdf(lobe, receiver.n, to_light.normalized()));
+      }
+  }
+  const Rgb& at(int column, int row) const { return values_[static_cast<std::size_t>(row * columns_ + column)]; }
+
+ private:
+  int columns_;
+  std::vector<Rgb> values_;
+};
+
+/// One cell as a receiver sees it, and its subtiles' first column and row.
+struct SplitCell {
+  const HorizonPlane& g;
+  const Basis& basis;
+  bool above;
+  int column, row, division;
+};
+
+double plain_weight(const SplitCell& cell, const Segment& x, const Segment& y) {
+  const double hx = x.h0 + x.h1, hy = y.h0 + y.h1;
+  return cell.g.k * hx * hy + cell.g.x * (x.g0 + x.g1) * hy + cell.g.y * hx * (y.g0 + y.g1);
+}
+
+/// ∬ φφ f max(0, g) over a segment of both axes, by colour.
+Rgb glossy_weight(const SplitCell& cell, const Segment& x, const Segment& y, double clipped, const CornerLobes& f) {
+  const int column = cell.column + x.subtile, row = cell.row + y.subtile;
+  const Rgb &f00 = f.at(column, row), &f10 = f.at(column + 1, row), &f01 = f.at(column, row + 1),
+            &f11 = f.at(column + 1, row + 1);
+  Rgb weight;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (cell.above) {
+      // Linear in each axis: the moments weigh the corners.
+      const auto along = [&](double hy, double gy, double low, double high) {
+        const double h = low * x.h0 + high * x.h1, g = low * x.g0 + high * x.g1;
+        return hy * (cell.g.k * h + cell.g.x * g) + gy * cell.g.y * h;
+      };
+      weight[c] = along(y.h0, y.g0, f00[c], f10[c]) + along(y.h1, y.g1, f01[c], f11[c]);
+      continue;
+    }
+    const double half = cell.basis.half_support();
+    const double fx = ((x.low + x.high) / 2 + half) * cell.division - x.subtile;
+    const double fy = ((y.low + y.high) / 2 + half) * cell.division - y.subtile;
+    weight[c] = clipped * ((1 - fy) * ((1 - fx) * f00[c] + fx * f10[c]) + fy * ((1 - fx) * f01[c] + fx * f11[c]));
+  }
+  return weight;
+}
+
+}  // namespace
+
+double lobe_error(const TileGrid& grid, const Receiver& receiver, const GlossLobe& lobe, int division) {
+  if (lobe.kind == LOBE_NONE) return 0;
+  const Vec2 p = receiver.p_mm.head<2>();
+  const Vec2 low = grid.corner_mm, high = low + grid.size_mm.cwiseProduct(Vec2(grid.columns, grid.rows));
+  const Vec2 beside = (p - p.cwiseMax(low).cwiseMin(high));
+  const double distance_squared = beside.squaredNorm() + receiver.p_mm.z() * receiver.p_mm.z();
+  const double shape = static_cast<double>(lobe.shape);
+  const double curvature = lobe.kind == LOBE_PHONG ? shape : 1 / (shape * shape);
+  return grid.size_mm.squaredNorm() / (distance_squared * division * division) * curvature / 8;
+}
+
+int gloss_division(const TileGrid& grid, const Receiver& receiver, const GlossLobe& lobe) {
+  int division = 1;
+  while (division < most_division && lobe_error(grid, receiver, lobe, division) > gloss_tolerance) division *= 2;
+  return division;
+}
+
+ClosedForm::Light ClosedForm::light(const Receiver& receiver, const GlossLobe& lobe, const Share& share,
+                                    int division) const {
+  const std::size_t channels = impl_->geometry.channels.size();
+  const bool glossy = lobe.kind != LOBE_NONE;
+  Light light{std::vector<double>(channels, 0.0), std::vector<double>(!glossy ? 0 : is_grey(lobe) ? channels : 3, 0.0)};
+  const Receiver at = at_lit_height(receiver);
+  if (!(at.p_mm.z() > 0)) return light;
+  const TileGrid grid(impl_->geometry.sampling);
+  std::optional<CornerLobes> corners;
+  if (glossy) corners.emplace(grid, at, lobe, division);
+  const double half = impl_->basis.half_support(), factor = impl_->factor(at);
+  const int level = impl_->level(at);
+
+  for (const Impl::Cell& cell : impl_->cells) {
+    // Classify the support against the receiver's horizon.
+    const HorizonPlane g = impl_->plane(at, cell);
+    const BasisRectangle support{-half, half, -half, half};
+    if (highest(g, support) <= 0) continue;
+    const SplitCell split{
+        g, impl_->basis, lowest(g, support) >= 0, cell.index.column * division, cell.index.row * division, division};
+
+    // Sum what each pixel's part in each subtile gives.
+    const Impl::Values values{cell, level, false};
+    const auto [x_axis, y_axis] = impl_->axes(at, values);
+    const std::vector<Segment> xs = segments_of(impl_->basis, x_axis, division);
+    const std::vector<Segment> ys = segments_of(impl_->basis, y_axis, division);
+    for (const Segment& y : ys)
+      for (const Segment& x : xs) {
+        const double v = factor * share(cell.index, split.column + x.subtile, split.row + y.subtile);
+        if (v == 0) continue;
+        const double plain =
+            split.above ? plain_weight(split, x, y) : clipped_integral(impl_->basis, g, {x.low, x.high, y.low, y.high});
+        if (plain == 0) continue;
+        const auto c_at = [&](std::size_t c) {
+          return v * values.at(static_cast<int>(c), x_axis.first + x.pixel, y_axis.first + y.pixel);
+        };
+        for (std::size_t c = 0; c < channels; ++c) light.irradiance[c] += plain * c_at(c);
+        if (!glossy) continue;
+        const Rgb weight = glossy_weight(split, x, y, plain, *corners);
+        for (std::size_t c = 0; c < light.gloss.size(); ++c) light.gloss[c] += weight[c] * c_at(channels == 1 ? 0 : c);
+      }
+  }
+  return light;
+}
+
+}  // namespace lumifield

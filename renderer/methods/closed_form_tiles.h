@@ -1,0 +1,22 @@
+#pragma once
+
+#include "renderer/methods/gloss_shared.h"
+#include "renderer/methods/receiver.h"
+#include "renderer/visibility/tile_grid.h"
+
+namespace lumifield {
+
+/// The finest parts of a tile that the closed form's gloss is split into, an axis; powers of two up to it.
+inline constexpr int most_division = 8;
+/// What the lobe may be off between the corners of a subtile, of its peak.
+inline constexpr double gloss_tolerance = 0.005;
+
+/// Relative error of a lobe that is taken bilinear over subtiles, about its peak: h²/8 ∂²f/f an axis with the angle h
+/// that a subtile subtends at most and ∂²f/f of the peak, n for Phong's cosⁿ, 1/α² for GGX (its half vector turns half
+/// as much as the light).
+double lobe_error(const TileGrid& grid, const Receiver& receiver, const GlossLobe& lobe, int division);
+
+/// The least power of two of which lobe_error is below gloss_tolerance, or most_division.
+int gloss_division(const TileGrid& grid, const Receiver& receiver, const GlossLobe& lobe);
+
+}  // namespace lumifield

@@ -1,0 +1,206 @@
+#include "renderer/methods/closed_form_tiles_device.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderer/methods/closed_form_tiles.h"
+#include "renderer/methods/gloss.h"
+
+namespace lumifield {
+
+namespace {
+
+/// Of the corners' lobes that a run holds: on a processor they stay in its cache.
+constexpr std::size_t corner_bytes_on_cpu = std::size_t(4) << 20, corner_bytes_elsewhere = std::size_t(256) << 20;
+/// A column's moments are kept for as many subtiles a tile.
+constexpr int most_kept_division = 2;
+
+bool is_finite(const GlossLobe& l) {
+  return std::isfinite(l.eye_x + l.eye_y + l.eye_z) && std::isfinite(l.shape) && std::isfinite(l.r + l.g + l.b);
+}
+
+Receiver receiver_of(const ClosedFormReceiver& r) { return {{r.p_x, r.p_y, r.p_z}, {r.n_x, r.n_y, r.n_z}}; }
+
+bool is_lit(const ClosedFormReceiver& r) { return r.p_z > 0 && (r.n_x != 0 || r.n_y != 0 || r.n_z != 0); }
+
+template <class T>
+Status fill_buffer(OpenClDevice& device, DeviceBuffer& buffer, const std::vector<T>& values, std::string_view purpose) {
+  auto room = device.allocate(values.size() * sizeof(T), purpose);
+  if (!room) return tl::unexpected(room.error());
+  buffer = *room;
+  return device.write(buffer, 0, std::as_bytes(std::span(values)));
+}
+
+}  // namespace
+
+Status ClosedFormTilesDevice::check(std::size_t receivers, const Appearance& appearance) const {
+  if (!appearance.gloss.empty() && appearance.gloss.size() != receivers)
+    return fail(std::to_string(appearance.gloss.size()) + " lobes for " + std::to_string(receivers) + " receivers",
+                "gloss", "give one each");
+  for (std::size_t k = 0; k < appearance.gloss.size(); ++k)
+    if (!is_finite(appearance.gloss[k]))
+      return fail("its gloss has NaN or Inf", "receiver " + std::to_string(k), "give finite numbers");
+  const TileVisibility& visible = appearance.visible;
+  if (visible.empty()) return {};
+  if (!(visible.grid == grid_) || visible.words.size() != receivers * visible.receiver_words())
+    return fail("they are of another luminaire, or of other receivers", "shadows", "make them for these");
+  return {};
+}
+
+ClosedFormTilesDevice::List& ClosedFormTilesDevice::list_of(int division, int lobes) {
+  const auto found =
+      std::ranges::find_if(lists_, [&](const List& l) { return l.division == division && l.lobes == lobes; });
+  if (found != lists_.end()) return *found;
+  lists_.emplace_back();
+  lists_.back().division = division;
+  lists_.back().lobes = lobes;
+  return lists_.back();
+}
+
+void ClosedFormTilesDevice::fill(List& list, std::size_t k, const ClosedFormReceiver& receiver,
+                                 const Appearance& appearance) {
+  list.receivers.push_back(receiver);
+  list.number.push_back(static_cast<int>(k));
+  if (list.lobes > 0) list.gloss.push_back(appearance.gloss[k]);
+  if (sees_all_) return;
+  const std::size_t words = appearance.visible.receiver_words();
+  const auto begin = appearance.visible.words.begin() + static_cast<std::ptrdiff_t>(k * words);
+  list.bits.insert(list.bits.end(), begin, begin + static_cast<std::ptrdiff_t>(words));
+}
+
+Status ClosedFormTilesDevice::take(std::vector<ClosedFormReceiver>& all, const Appearance& appearance) {
+  lists_.clear();
+  outs_ = 0;
+  receivers_ = all.size();
+  if (const Status good = check(all.size(), appearance); !good) return good;
+  sees_all_ = appearance.visible.empty();
+  mean_ = appearance.visible.weighing == ShadowWeighing::mean;
+  outs_ = appearance.gloss_channels(geometry_.channels.size());
+  const int lobes = appearance.is_grey() ? 1 : 3;
+
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (!is_lit(all[k])) continue;
+    const Sight sight = sees_all_ ? Sight::all : sight_of(appearance.visible, k);
+    if (sight != Sight::none && outs_ > 0 && appearance.gloss[k].kind != LOBE_NONE)
+      fill(list_of(gloss_division(grid_, receiver_of(all[k]), appearance.gloss[k]), lobes), k, all[k], appearance);
+    if (sight == Sight::some) fill(list_of(1, 0), k, all[k], appearance);
+    if (sight != Sight::all) all[k].n_x = all[k].n_y = all[k].n_z = 0;
+  }
+  for (List& list : lists_) {
+    if (const Status built = build(list); !built) return built;
+    if (const Status there = upload(list); !there) return there;
+  }
+  if (outs_ == 0) return {};
+  return fill_buffer(device_, radiance_, std::vector<double>(all.size() * outs_, 0.0), "radiance by gloss");
+}
+
+Status ClosedFormTilesDevice::build(List& list) {
+  const bool keep = device_.is_cpu() && list.division <= most_kept_division;
+  const std::string options = "-DBASIS=" + std::to_string(static_cast<int>(geometry_.sampling.basis)) +
+                              " -DCHANNELS=" + std::to_string(geometry_.channels.size()) +
+                              " -DDIVISION=" + std::to_string(list.division) +
+                              " -DLOBES=" + std::to_string(list.lobes) + " -DKEEP=" + (keep ? "1" : "0");
+  auto kernel = device_.build("closed_form_tiles", options, "closed_form_tiles");
+  if (!kernel) return tl::unexpected(kernel.error());
+  list.kernel = *kernel;
+  if (list.lobes == 0) return {};
+  auto lobe_kernel = device_.another(*kernel, "tile_lobes");
+  if (!lobe_kernel) return tl::unexpected(lobe_kernel.error());
+  list.lobe_kernel = *lobe_kernel;
+  return {};
+}
+
+Status ClosedFormTilesDevice::upload(List& list) {
+  if (list.bits.empty()) list.bits = {0};  // no buffer is empty
+  if (auto done = fill_buffer(device_, list.receivers_on, list.receivers, "receivers in half-shadow"); !done)
+    return done;
+  if (auto done = fill_buffer(device_, list.number_on, list.number, "their numbers"); !done) return done;
+  if (auto done = fill_buffer(device_, list.bits_on, list.bits, "what they see"); !done) return done;
+  if (list.lobes == 0) return {};
+  return fill_buffer(device_, list.gloss_on, list.gloss, "lobes");
+}
+
+namespace {
+
+std::size_t corners_of(const TileGrid& grid, int division) {
+  return static_cast<std::size_t>(grid.columns * division + 1) * static_cast<std::size_t>(grid.rows * division + 1);
+}
+
+}  // namespace
+
+/// Receivers whose lobes are held at a time.
+std::size_t ClosedFormTilesDevice::batch_of(const List& list) const {
+  if (list.lobes == 0) return list.receivers.size();
+  const std::size_t each = corners_of(grid_, list.division) * static_cast<std::size_t>(list.lobes) * sizeof(float);
+  return std::max<std::size_t>((device_.is_cpu() ? corner_bytes_on_cpu : corner_bytes_elsewhere) / each, 64);
+}
+
+Result<double> ClosedFormTilesDevice::run_list(List& list, const ClosedFormRun& run) {
+  const std::size_t batch = batch_of(list), all = list.receivers.size();
+  const std::size_t rows = static_cast<std::size_t>(grid_.rows * list.division + 1);
+  const std::size_t corner_bytes = std::min(batch, all) * corners_of(grid_, list.division) *
+                                   static_cast<std::size_t>(std::max(list.lobes, 1)) * sizeof(float);
+  if (corners_.bytes() < (list.lobes > 0 ? corner_bytes : 1)) {
+    auto room = device_.allocate(list.lobes > 0 ? corner_bytes : sizeof(float), "lobes at the tiles' corners");
+    if (!room) return tl::unexpected(room.error());
+    corners_ = *room;
+  }
+  DeviceKernel& kernel = list.kernel;
+  unsigned at = 0;
+  kernel.set(at++, run.geometry);
+  for (const DeviceBuffer& buffer :
+       {list.receivers_on, run.cells, run.images, run.levels, list.lobes > 0 ? radiance_ : run.sums})
+    kernel.set(at++, buffer);
+  kernel.set(at++, run.grid);
+  kernel.set(at++, run.centers);
+  kernel.set(at++, run.row_begins);
+  kernel.set(at + 1, list.number_on);
+  kernel.set(at + 2, list.bits_on);
+  kernel.set(at + 3, corners_);
+
+  double seconds = 0;
+  for (std::size_t begin = 0; begin < all; begin += batch) {
+    const std::size_t count = std::min(batch, all - begin);
+    const ClosedFormTiles tiles{grid_.columns,
+                                grid_.rows,
+                                sees_all_ ? 0 : (grid_.columns + 31) / 32,
+                                mean_,
+                                run.first.column,
+                                run.first.row,
+                                static_cast<int>(begin),
+                                static_cast<int>(begin + count)};
+    if (list.lobes > 0) {
+      list.lobe_kernel.set(0, tiles);
+      list.lobe_kernel.set(1, list.receivers_on);
+      list.lobe_kernel.set(2, list.gloss_on);
+      list.lobe_kernel.set(3,
+                           std::array{grid_.corner_mm.x(), grid_.corner_mm.y(), grid_.size_mm.x(), grid_.size_mm.y()});
+      list.lobe_kernel.set(4, corners_);
+      const auto took = device_.run(list.lobe_kernel, count * rows, 64);
+      if (!took) return took;
+      seconds += *took;
+    }
+    kernel.set(at, tiles);
+    const auto took = device_.run(kernel, count, device_.is_cpu() ? 1 : 64);
+    if (!took) return took;
+    seconds += *took;
+  }
+  return seconds;
+}
+
+Result<double> ClosedFormTilesDevice::run(const ClosedFormRun& run) {
+  double seconds = 0;
+  for (List& list : lists_) {
+    const auto took = run_list(list, run);
+    if (!took) return took;
+    seconds += *took;
+  }
+  return seconds;
+}
+
+Status ClosedFormTilesDevice::read_gloss(std::vector<double>& radiance) {
+  radiance.assign(receivers_ * outs_, 0.0);
+  return outs_ == 0 ? Status{} : device_.read(radiance_, std::as_writable_bytes(std::span(radiance)));
+}
+
+}  // namespace lumifield
