@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "renderer/methods/gloss_shared.h"
-#include "renderer/visibility/tile_visibility.h"
+#include "luminaire/error.h"
+#include "renderer/methods/look.h"
 
 namespace lumifield {
 
@@ -12,11 +12,16 @@ struct Appearance {
   std::vector<GlossLobe> gloss;  ///< one for each receiver, the eye in the luminaire frame; empty: all are diffuse
   TileVisibility visible;        ///< of each receiver; empty: all see all
 
+  /// Of one of them.
+  Look look(std::size_t receiver) const;
   /// Whether no lobe is coloured.
   bool is_grey() const;
   /// Values of glossy radiance a receiver: one for each channel, or three where one channel's light is coloured by a
   /// lobe; 0 where all are diffuse.
   std::size_t gloss_channels(std::size_t channels) const;
 };
+
+/// Refuses one of other receivers or tiles, and lobes that are not finite.
+Status check_appearance(const Appearance& appearance, const TileGrid& grid, std::size_t receivers);
 
 }  // namespace lumifield

@@ -31,6 +31,12 @@ void ClosedForm::Impl::Cell::make_deviations() {
         coarse_deviations(image->channel(static_cast<int>(c)), image->width_px, image->height_px, means[c]));
 }
 
+void ClosedForm::Impl::make_deviations() {
+  std::call_once(deviations_made, [this] {
+    for (Cell& cell : cells) cell.make_deviations();
+  });
+}
+
 /// ∬ φφ max(0, n·(u−p)) over one pixel's part of the support.
 double ClosedForm::Impl::weight(const HorizonPlane& g, const AxisWeights::Pixel& x, const AxisWeights::Pixel& y,
                                 bool above) const {
@@ -107,9 +113,7 @@ std::vector<double> ClosedForm::Impl::sum_of(const Receiver& receiver, bool devi
 std::vector<double> ClosedForm::irradiance(const Receiver& receiver) const { return impl_->sum_of(receiver, false); }
 
 std::vector<double> ClosedForm::detail_error_bound(const Receiver& receiver) const {
-  std::call_once(impl_->deviations_made, [this] {
-    for (Impl::Cell& cell : impl_->cells) cell.make_deviations();
-  });
+  impl_->make_deviations();
   return impl_->sum_of(receiver, true);
 }
 

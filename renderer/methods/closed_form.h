@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -36,21 +35,18 @@ class ClosedForm {
   /// over the level's pixels of mean C̄ and weight g; 0 where all is exact.
   std::vector<double> detail_error_bound(const Receiver& receiver) const;
 
-  /// What a glossy receiver that sees a part of U gets, the sum split at the tiles of U (TileGrid) and at the
+  /// What a receiver that sees a part of U, or shines, gets, the sum split at the tiles of U (TileGrid) and at the
   /// `division`-th parts of them, subtiles:
   ///
   ///     E = δ²/(δ+Δ)³ Σ_m Σ_subtiles v ∫ C_m(s(u)) Φ_m(u) max(0, n·(u−p)) du,   the same with f(u) in it for gloss
   ///
-  /// v is what the light of a subtile is multiplied by; f, the lobe, is taken at the subtiles' corners and bilinear
-  /// between them, which keeps the integrand C times a polynomial and the error second order in the subtiles' size (at
-  /// a cut horizon f is that at the middle of each pixel's part). `gloss` is in R, G, B where one channel's light is
-  /// coloured by the lobe, else by channel; empty for LOBE_NONE.
-  struct Light {
-    std::vector<double> irradiance;  ///< per channel
-    std::vector<double> gloss;       ///< radiance towards the eye
-  };
-  using Share = std::function<double(CellIndex cell, int subtile_column, int subtile_row)>;
-  Light light(const Receiver& receiver, const GlossLobe& lobe, const Share& share, int division) const;
+  /// v is what is seen of a subtile: of its tile, or of its middle where the look tells by point; f, the lobe, is taken
+  /// at the subtiles' corners and bilinear between them, which keeps the integrand C times a polynomial and the error
+  /// second order in the subtiles' size (at a cut horizon f is that at the middle of each pixel's part). Irradiance by
+  /// channel, then radiance by gloss (gloss_values).
+  std::vector<double> light(const Receiver& receiver, const Look& look, int division) const;
+  /// Of detail_error_bound, the same.
+  std::vector<double> light_detail_error_bound(const Receiver& receiver, const Look& look, int division) const;
 
  private:
   struct Impl;

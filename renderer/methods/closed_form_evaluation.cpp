@@ -32,14 +32,14 @@ Status ClosedFormEvaluation::take_cells(const LightField& light_field) {
 
 Status ClosedFormEvaluation::take_receivers(std::span<const Receiver> receivers) {
   receivers_.assign(receivers.begin(), receivers.end());
-  const Status set = device_->set_receivers(receivers_);
+  const Status set = device_->set_receivers(receivers_, appearance());
   clear_ = set.has_value();
   return set;
 }
 
 Status ClosedFormEvaluation::begin() {
   if (!clear_)
-    if (Status cleared = device_->set_receivers(receivers_); !cleared) return cleared;
+    if (Status cleared = device_->set_receivers(receivers_, appearance()); !cleared) return cleared;
   clear_ = true;
   next_ = 0;
   kernel_s_ = 0;
@@ -76,6 +76,14 @@ Status ClosedFormEvaluation::read_computed(std::span<double> irradiance) {
   std::vector<double> sums;
   if (Status read = device_->read(sums); !read) return read;
   std::copy(sums.begin(), sums.end(), irradiance.begin());
+  return {};
+}
+
+Status ClosedFormEvaluation::read_gloss_computed(std::span<double> radiance) {
+  if (next_ < cells_.size()) return {};
+  std::vector<double> sums;
+  if (Status read = device_->read_gloss(sums); !read) return read;
+  std::copy(sums.begin(), sums.end(), radiance.begin());
   return {};
 }
 

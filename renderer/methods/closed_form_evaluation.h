@@ -25,6 +25,7 @@ class ClosedFormEvaluation final : public DeviceMethod {
   Status begin() override;
   Result<bool> go_on(double seconds) override;
   Status read_computed(std::span<double> irradiance) override;
+  Status read_gloss_computed(std::span<double> radiance) override;
   /// Cells of the next piece, where `seconds` are left.
   std::size_t fit(double seconds) const;
 

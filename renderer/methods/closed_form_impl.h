@@ -46,6 +46,8 @@ struct ClosedForm::Impl {
   HorizonPlane plane(const Receiver& receiver, const Cell& cell) const;
   double factor(const Receiver& receiver) const;  ///< δ²a_x a_y/(δ+Δ)³
   std::vector<double> sum_of(const Receiver& receiver, bool deviation) const;
+  std::vector<double> light_of(const Receiver& receiver, const Look& look, int division, bool deviation) const;
+  void make_deviations();
   void add(const Receiver& receiver, const Values& values, std::vector<double>& sum) const;
   double weight(const HorizonPlane& g, const AxisWeights::Pixel& x, const AxisWeights::Pixel& y, bool above) const;
 };

@@ -117,46 +117,81 @@ int gloss_division(const TileGrid& grid, const Receiver& receiver, const GlossLo
   return division;
 }
 
-ClosedForm::Light ClosedForm::light(const Receiver& receiver, const GlossLobe& lobe, const Share& share,
-                                    int division) const {
-  const std::size_t channels = impl_->geometry.channels.size();
-  const bool glossy = lobe.kind != LOBE_NONE;
-  Light light{std::vector<double>(channels, 0.0), std::vector<double>(!glossy ? 0 : is_grey(lobe) ? channels : 3, 0.0)};
-  const Receiver at = at_lit_height(receiver);
-  if (!(at.p_mm.z() > 0)) return light;
-  const TileGrid grid(impl_->geometry.sampling);
-  std::optional<CornerLobes> corners;
-  if (glossy) corners.emplace(grid, at, lobe, division);
-  const double half = impl_->basis.half_support(), factor = impl_->factor(at);
-  const int level = impl_->level(at);
+namespace {
 
-  for (const Impl::Cell& cell : impl_->cells) {
+/// What is seen of each subtile of U by a receiver; of a mean, of each subtile of each cell.
+class SeenSubtiles {
+ public:
+  SeenSubtiles(const TileGrid& grid, const Look& look, int division)
+      : look_(look), division_(division), columns_(grid.columns * division) {
+    if (!look.sees) return;
+    for (int row = 0; row < grid.rows * division; ++row)
+      for (int column = 0; column < columns_; ++column)
+        by_point_.push_back(
+            look.sees(grid.corner_mm + grid.size_mm.cwiseProduct(Vec2(column + 0.5, row + 0.5)) / division));
+  }
+  double at(CellIndex cell, int column, int row) const {
+    if (look_.sees) return by_point_[static_cast<std::size_t>(row * columns_ + column)] ? 1 : 0;
+    return look_.visible ? look_.visible->share(look_.receiver, cell, column / division_, row / division_) : 1;
+  }
+
+ private:
+  const Look& look_;
+  int division_, columns_;
+  std::vector<bool> by_point_;
+};
+
+}  // namespace
+
+std::vector<double> ClosedForm::light(const Receiver& receiver, const Look& look, int division) const {
+  return impl_->light_of(receiver, look, division, false);
+}
+
+std::vector<double> ClosedForm::light_detail_error_bound(const Receiver& receiver, const Look& look,
+                                                         int division) const {
+  impl_->make_deviations();
+  return impl_->light_of(receiver, look, division, true);
+}
+
+std::vector<double> ClosedForm::Impl::light_of(const Receiver& receiver, const Look& look, int division,
+                                               bool deviation) const {
+  const std::size_t channels = geometry.channels.size(), gloss = gloss_values(look.lobe, channels);
+  std::vector<double> light(channels + gloss, 0.0);
+  const Receiver at = at_lit_height(receiver);
+  const int of_receiver = level(at);
+  if (!(at.p_mm.z() > 0) || (deviation && of_receiver == 0)) return light;
+  const TileGrid grid(geometry.sampling);
+  std::optional<CornerLobes> corners;
+  if (gloss > 0) corners.emplace(grid, at, look.lobe, division);
+  const SeenSubtiles seen(grid, look, division);
+  const double half = basis.half_support();
+
+  for (const Cell& cell : cells) {
     // Classify the support against the receiver's horizon.
-    const HorizonPlane g = impl_->plane(at, cell);
+    const HorizonPlane g = plane(at, cell);
     const BasisRectangle support{-half, half, -half, half};
     if (highest(g, support) <= 0) continue;
     const SplitCell split{
-        g, impl_->basis, lowest(g, support) >= 0, cell.index.column * division, cell.index.row * division, division};
+        g, basis, lowest(g, support) >= 0, cell.index.column * division, cell.index.row * division, division};
 
     // Sum what each pixel's part in each subtile gives.
-    const Impl::Values values{cell, level, false};
-    const auto [x_axis, y_axis] = impl_->axes(at, values);
-    const std::vector<Segment> xs = segments_of(impl_->basis, x_axis, division);
-    const std::vector<Segment> ys = segments_of(impl_->basis, y_axis, division);
+    const Values values{cell, of_receiver, deviation};
+    const auto [x_axis, y_axis] = axes(at, values);
+    const std::vector<Segment> xs = segments_of(basis, x_axis, division), ys = segments_of(basis, y_axis, division);
     for (const Segment& y : ys)
       for (const Segment& x : xs) {
-        const double v = factor * share(cell.index, split.column + x.subtile, split.row + y.subtile);
-        if (v == 0) continue;
-        const double plain =
-            split.above ? plain_weight(split, x, y) : clipped_integral(impl_->basis, g, {x.low, x.high, y.low, y.high});
+        const double v = factor(at) * seen.at(cell.index, split.column + x.subtile, split.row + y.subtile);
+        const double plain = v == 0        ? 0
+                             : split.above ? plain_weight(split, x, y)
+                                           : clipped_integral(basis, g, {x.low, x.high, y.low, y.high});
         if (plain == 0) continue;
         const auto c_at = [&](std::size_t c) {
           return v * values.at(static_cast<int>(c), x_axis.first + x.pixel, y_axis.first + y.pixel);
         };
-        for (std::size_t c = 0; c < channels; ++c) light.irradiance[c] += plain * c_at(c);
-        if (!glossy) continue;
+        for (std::size_t c = 0; c < channels; ++c) light[c] += plain * c_at(c);
+        if (gloss == 0) continue;
         const Rgb weight = glossy_weight(split, x, y, plain, *corners);
-        for (std::size_t c = 0; c < light.gloss.size(); ++c) light.gloss[c] += weight[c] * c_at(channels == 1 ? 0 : c);
+        for (std::size_t c = 0; c < gloss; ++c) light[channels + c] += weight[c] * c_at(channels == 1 ? 0 : c);
       }
   }
   return light;

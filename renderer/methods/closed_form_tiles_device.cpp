@@ -15,10 +15,6 @@ constexpr std::size_t corner_bytes_on_cpu = std::size_t(4) << 20, corner_bytes_e
 /// A column's moments are kept for as many subtiles a tile.
 constexpr int most_kept_division = 2;
 
-bool is_finite(const GlossLobe& l) {
-  return std::isfinite(l.eye_x + l.eye_y + l.eye_z) && std::isfinite(l.shape) && std::isfinite(l.r + l.g + l.b);
-}
-
 Receiver receiver_of(const ClosedFormReceiver& r) { return {{r.p_x, r.p_y, r.p_z}, {r.n_x, r.n_y, r.n_z}}; }
 
 bool is_lit(const ClosedFormReceiver& r) { return r.p_z > 0 && (r.n_x != 0 || r.n_y != 0 || r.n_z != 0); }
@@ -32,20 +28,6 @@ Status fill_buffer(OpenClDevice& device, DeviceBuffer& buffer, const std::vector
 }
 
 }  // namespace
-
-Status ClosedFormTilesDevice::check(std::size_t receivers, const Appearance& appearance) const {
-  if (!appearance.gloss.empty() && appearance.gloss.size() != receivers)
-    return fail(std::to_string(appearance.gloss.size()) + " lobes for " + std::to_string(receivers) + " receivers",
-                "gloss", "give one each");
-  for (std::size_t k = 0; k < appearance.gloss.size(); ++k)
-    if (!is_finite(appearance.gloss[k]))
-      return fail("its gloss has NaN or Inf", "receiver " + std::to_string(k), "give finite numbers");
-  const TileVisibility& visible = appearance.visible;
-  if (visible.empty()) return {};
-  if (!(visible.grid == grid_) || visible.words.size() != receivers * visible.receiver_words())
-    return fail("they are of another luminaire, or of other receivers", "shadows", "make them for these");
-  return {};
-}
 
 ClosedFormTilesDevice::List& ClosedFormTilesDevice::list_of(int division, int lobes) {
   const auto found =
@@ -72,7 +54,7 @@ Status ClosedFormTilesDevice::take(std::vector<ClosedFormReceiver>& all, const A
   lists_.clear();
   outs_ = 0;
   receivers_ = all.size();
-  if (const Status good = check(all.size(), appearance); !good) return good;
+  if (const Status good = check_appearance(appearance, grid_, all.size()); !good) return good;
   sees_all_ = appearance.visible.empty();
   mean_ = appearance.visible.weighing == ShadowWeighing::mean;
   outs_ = appearance.gloss_channels(geometry_.channels.size());

@@ -48,7 +48,6 @@ class ClosedFormTilesDevice {
     DeviceKernel kernel, lobe_kernel;
   };
 
-  Status check(std::size_t receivers, const Appearance& appearance) const;
   List& list_of(int division, int lobes);
   void fill(List& list, std::size_t k, const ClosedFormReceiver& receiver, const Appearance& appearance);
   Status build(List& list);

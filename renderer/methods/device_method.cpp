@@ -29,7 +29,7 @@ Status check_finite(std::span<const Receiver> receivers) {
   return {};
 }
 
-Status DeviceMethod::set_receivers(std::span<const Receiver> receivers) {
+Status DeviceMethod::set_receivers(std::span<const Receiver> receivers, Appearance appearance) {
   if (receivers.size() > std::size_t(1) << 30) return fail("more than 2^30 receivers", "receivers", "render in parts");
   if (const Status finite = check_finite(receivers); !finite) return finite;
   for (std::size_t k = 0; k < receivers.size(); ++k) {
@@ -41,8 +41,12 @@ Status DeviceMethod::set_receivers(std::span<const Receiver> receivers) {
       return tl::unexpected(std::move(error));
     }
   }
+  if (const Status good = check_appearance(appearance, TileGrid(geometry_.sampling), receivers.size()); !good)
+    return good;
   has_receivers_ = begun_ = false;
   count_ = receivers.size();
+  gloss_channels_ = appearance.gloss_channels(channels());
+  appearance_ = std::move(appearance);
   const Status taken = take_receivers(receivers);
   has_receivers_ = taken.has_value();
   return taken;
@@ -79,6 +83,12 @@ Status DeviceMethod::read(std::vector<double>& irradiance) {
   if (const Status set = check_set(); !set) return set;
   irradiance.assign(count_ * channels(), 0.0);
   return begun_ ? read_computed(irradiance) : Status{};
+}
+
+Status DeviceMethod::read_gloss(std::vector<double>& radiance) {
+  if (const Status set = check_set(); !set) return set;
+  radiance.assign(count_ * gloss_channels_, 0.0);
+  return begun_ && gloss_channels_ > 0 ? read_gloss_computed(radiance) : Status{};
 }
 
 namespace {

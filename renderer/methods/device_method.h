@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "luminaire/light_field.h"
-#include "renderer/methods/closed_form.h"
+#include "renderer/methods/appearance.h"
 #include "renderer/methods/method.h"
+#include "renderer/methods/receiver.h"
 
 namespace lumifield {
 
@@ -22,9 +23,10 @@ class DeviceMethod {
   /// Replaces the cells; after an error there are none. Errors: another geometry, cells that the method cannot take,
   /// too much for the device.
   Status set_cells(const LightField& light_field);
-  /// Replaces the receivers; one with n = 0 gets 0. Errors: NaN or Inf, receivers at which the method has no answer,
-  /// which leave those of before; of the device, after which there are none.
-  Status set_receivers(std::span<const Receiver> receivers);
+  /// Replaces the receivers; one with n = 0 gets 0. `appearance`: how they look. Errors: NaN or Inf, receivers at which
+  /// the method has no answer, an appearance of others, which leave those of before; of the device, after which there
+  /// are none.
+  Status set_receivers(std::span<const Receiver> receivers, Appearance appearance = {});
   /// Number of samples K and the seed, from the next evaluation on. Errors: those of check_settings.
   Status set_samples(double samples, std::uint32_t seed);
 
@@ -34,6 +36,10 @@ class DeviceMethod {
   /// E of the receivers computed since the evaluation began, receiver-major: receivers · channels; 0 for the others.
   /// Errors: cells or receivers that are not set, the device's.
   Status read(std::vector<double>& irradiance);
+  /// Their radiance by gloss towards the eye: receivers · gloss_channels(). The same errors.
+  Status read_gloss(std::vector<double>& radiance);
+  /// Values of it a receiver; 0 where none shines.
+  std::size_t gloss_channels() const { return gloss_channels_; }
 
   virtual std::string device_name() const = 0;
   /// Kernel time since the evaluation began, seconds.
@@ -45,9 +51,10 @@ class DeviceMethod {
 
   std::size_t channels() const { return geometry_.channels.size(); }
   std::size_t receivers() const { return count_; }
+  const Appearance& appearance() const { return appearance_; }
 
   virtual Status take_cells(const LightField& light_field) = 0;
-  /// Finite ones, at most 2^30, that pass check_receiver.
+  /// Finite ones, at most 2^30, that pass check_receiver; with their appearance().
   virtual Status take_receivers(std::span<const Receiver> receivers) = 0;
   /// A receiver in front of U, of n ≠ 0, at which the method has no answer; named "receiver".
   virtual Status check_receiver(const Receiver& receiver) const;
@@ -56,8 +63,9 @@ class DeviceMethod {
   /// Nothing is computed, of the cells, receivers and samples as they are now.
   virtual Status begin() = 0;
   virtual Result<bool> go_on(double seconds) = 0;
-  /// What `read` says, once begun.
+  /// What `read` and `read_gloss` say, once begun.
   virtual Status read_computed(std::span<double> irradiance) = 0;
+  virtual Status read_gloss_computed(std::span<double> radiance) = 0;
 
   const LuminaireGeometry geometry_;
   MethodSettings settings_;
@@ -66,6 +74,8 @@ class DeviceMethod {
   Status check_set() const;
 
   std::size_t count_ = 0;  ///< receivers
+  Appearance appearance_;
+  std::size_t gloss_channels_ = 0;
   bool has_cells_ = false, has_receivers_ = false, begun_ = false;
 };
 

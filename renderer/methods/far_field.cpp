@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "renderer/methods/gloss.h"
 #include "renderer/methods/table_memory.h"
 
 namespace lumifield {
@@ -55,6 +56,16 @@ PixelWindow seen_through(const ReceiverView& view, const Vec2& u_m, const Vec2& 
 
 /// Of a support and axis, each with a bound of its own.
 constexpr int parts = 64;
+
+double seen_share(const Look& look, const LuminaireGeometry& g) {
+  if (look.sees) return look.sees(g.sampling.center_mm) ? 1 : 0;
+  if (!look.visible) return 1;
+  const TileGrid& grid = look.visible->grid;
+  int seen = 0;
+  for (int row = 0; row < grid.rows; ++row)
+    for (int column = 0; column < grid.columns; ++column) seen += look.visible->sees(look.receiver, column, row);
+  return static_cast<double>(seen) / grid.tiles();
+}
 
 }  // namespace
 
@@ -171,26 +182,70 @@ Result<std::unique_ptr<FarField>> FarField::create(const LightField& light_field
   return std::unique_ptr<FarField>(new FarField(light_field, std::move(*table)));
 }
 
-Result<std::vector<double>> FarField::irradiance(const Receiver& receiver, std::uint32_t) const {
+/// As one point it is seen by the share of the tiles that are, and shines from its centre.
+Result<std::vector<double>> FarField::light(const Receiver& receiver, std::uint32_t, const Look& look) const {
   const LuminaireGeometry& g = light_field_.geometry();
-  std::vector<double> e(g.channels.size(), 0.0);
+  const std::size_t channels = g.channels.size();
+  std::vector<double> e(channels + gloss_values(look.lobe, channels), 0.0);
   const Receiver at = at_lit_height(receiver);
   const Vec3 p = at.p_mm - Vec3(g.sampling.center_mm.x(), g.sampling.center_mm.y(), 0);
   const double facing = -at.n.dot(p), delta = g.planes.separation_mm;
   if (!(p.z() > 0) || !(facing > 0)) return e;
   // δ²/cos³θ · (−n·p)/d · 1/d², with cosθ = p_z/d.
-  const double factor = delta * delta * facing / (p.z() * p.z() * p.z());
-  for (std::size_t c = 0; c < e.size(); ++c)
+  const double factor = seen_share(look, g) * delta * delta * facing / (p.z() * p.z() * p.z());
+  for (std::size_t c = 0; c < channels; ++c)
     e[c] = factor * table_.at(static_cast<int>(c), p.head<2>() * (delta / p.z()));
+  const std::array<double, 3> f = glossy_brdf(look.lobe, at.n, -p.normalized());
+  for (std::size_t c = channels; c < e.size(); ++c) e[c] = f[c - channels] * e[channels == 1 ? 0 : c - channels];
   return e;
 }
 
-Result<Estimate> FarField::estimate(const Receiver& receiver, std::uint32_t number) const {
-  Estimate result{*irradiance(receiver, number), {}};
+/// Adds what half-shadow and a lobe that varies over U may make of the light, at most `most_light`.
+void FarField::state_look(const Look& look, const Receiver& receiver, const std::vector<double>& most_light,
+                          Estimate& result) const {
+  const LuminaireGeometry& g = light_field_.geometry();
+  const std::size_t channels = g.channels.size();
+  // All of a half-shadow's light may come through the tiles that are seen, or through those that are not.
+  const double share = seen_share(look, g),
+               off = look.sees || (share > 0 && share < 1) ? std::max(share, 1 - share) : 0;
+  for (std::size_t c = 0; c < channels; ++c)
+    result.stated_error[c] = share * result.stated_error[c] + off * most_light[c];
+  if (look.lobe.kind == LOBE_NONE) return;
+
+  // The lobe over a grid of points of U.
+  const TileGrid grid(g.sampling);
+  const Vec3 center(g.sampling.center_mm.x(), g.sampling.center_mm.y(), 0);
+  const auto lobe_at = [&](const Vec3& u) {
+    return glossy_brdf(look.lobe, receiver.n, (u - receiver.p_mm).normalized());
+  };
+  const std::array<double, 3> taken = lobe_at(center);
+  std::array<double, 3> most = taken, varies{};
+  constexpr int points = 32;
+  for (int k = 0; k < points * points; ++k) {
+    const Vec2 u =
+        grid.corner_mm +
+        grid.size_mm.cwiseProduct(Vec2(grid.columns * (k % points), grid.rows * (k / points))) / (points - 1);
+    const std::array<double, 3> f = lobe_at({u.x(), u.y(), 0});
+    for (std::size_t c = 0; c < 3; ++c) {
+      most[c] = std::max(most[c], f[c]);
+      varies[c] = std::max(varies[c], std::abs(f[c] - taken[c]));
+    }
+  }
+  for (std::size_t c = 0; c < gloss_values(look.lobe, channels); ++c) {
+    const std::size_t light = channels == 1 ? 0 : c;
+    result.stated_error.push_back(most[c] * result.stated_error[light] + varies[c] * most_light[light]);
+  }
+}
+
+Result<Estimate> FarField::estimate(const Receiver& receiver, std::uint32_t number, const Look& look) const {
+  Estimate result{*light(receiver, number, look), {}};
   const LuminaireGeometry& g = light_field_.geometry();
   result.stated_error.assign(g.channels.size(), 0.0);
   const ReceiverView view(g, basis_, receiver);
-  if (!view.in_front()) return result;
+  if (!view.in_front()) {
+    result.stated_error.assign(result.irradiance.size(), 0.0);
+    return result;
+  }
 
   const double z = lit_height_mm(receiver.p_mm.z()), delta = g.planes.separation_mm;
   const Vec2 spacing = g.sampling.spacing_mm, n = receiver.n.head<2>(), center = g.sampling.center_mm;
@@ -201,6 +256,7 @@ Result<Estimate> FarField::estimate(const Receiver& receiver, std::uint32_t numb
   const double table_factor = delta * delta / (z * z * z) * far_g;
   for (std::size_t c = 0; c < result.stated_error.size(); ++c)
     result.stated_error[c] = table_factor * table_.interpolation_error(static_cast<int>(c), q);
+  std::vector<double> most_light(g.channels.size(), 0.0);
   for (int flat = 0; flat < g.sampling.cells(); ++flat) {
     const CellIndex index = g.sampling.index(flat);
     const auto image = light_field_.cell(index);
@@ -218,11 +274,13 @@ Result<Estimate> FarField::estimate(const Receiver& receiver, std::uint32_t numb
       const PixelWindow window = seen_through(view, u_m, low, high, q);
       for (std::size_t c = 0; c < result.stated_error.size(); ++c) {
         const auto [least, greatest] = range_over(*image, static_cast<int>(c), window);
+        most_light[c] += factor * share * (off_g + far_g) * std::max(std::abs(least), std::abs(greatest));
         result.stated_error[c] +=
             factor * share * (off_g * std::max(std::abs(least), std::abs(greatest)) + far_g * (greatest - least));
       }
     }
   }
+  if (!look.plain()) state_look(look, at_lit_height(receiver), most_light, result);
   return result;
 }
 

@@ -54,11 +54,14 @@ class FarField final : public HostMethod {
   /// Errors: those of the table.
   static Result<std::unique_ptr<FarField>> create(const LightField& light_field, const MethodSettings& settings);
 
-  Result<std::vector<double>> irradiance(const Receiver& receiver, std::uint32_t number) const override;
-  Result<Estimate> estimate(const Receiver& receiver, std::uint32_t number) const override;
+  using HostMethod::estimate;
+  Result<std::vector<double>> light(const Receiver& receiver, std::uint32_t number, const Look& look) const override;
+  Result<Estimate> estimate(const Receiver& receiver, std::uint32_t number, const Look& look) const override;
 
  private:
   FarField(const LightField& light_field, FarFieldTable table);
+  void state_look(const Look& look, const Receiver& receiver, const std::vector<double>& most_light,
+                  Estimate& result) const;
 
   LightField light_field_;
   Basis basis_;

@@ -27,12 +27,13 @@ Status FarFieldDevice::take_cells(const LightField& light_field) {
   return {};
 }
 
-void FarFieldDevice::set_arguments(DeviceKernel& kernel) {
+unsigned FarFieldDevice::set_arguments(DeviceKernel& kernel) {
   const Vec2 center = geometry_.sampling.center_mm;
   kernel.set(1, receivers_);
   kernel.set(2, table_);
   kernel.set(3, std::array{center.x(), center.y()});
   kernel.set(4, sums_);
+  return 5;
 }
 
 }  // namespace lumifield

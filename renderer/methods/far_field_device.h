@@ -13,7 +13,7 @@ class FarFieldDevice final : public SampledDevice {
  private:
   using SampledDevice::SampledDevice;
   Status take_cells(const LightField& light_field) override;
-  void set_arguments(DeviceKernel& kernel) override;
+  unsigned set_arguments(DeviceKernel& kernel) override;
   Status make_points() override { return {}; }
 
   DeviceBuffer table_;

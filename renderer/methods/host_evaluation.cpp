@@ -38,6 +38,7 @@ Status HostEvaluation::begin() {
       return as_error(error);
     }
   irradiance_.assign(receivers_.size() * channels(), 0.0);
+  gloss_.assign(receivers_.size() * gloss_channels(), 0.0);
   next_ = 0;
   took_s_ = 0;
   return {};
@@ -46,9 +47,13 @@ Status HostEvaluation::begin() {
 Status HostEvaluation::compute(std::size_t begin, std::size_t end) {
   for (std::size_t k = begin; k < end; ++k) {
     if (receivers_[k].n == Vec3(0, 0, 0)) continue;
-    const auto e = form_->irradiance(receivers_[k], static_cast<std::uint32_t>(k));
+    const auto e = form_->light(receivers_[k], static_cast<std::uint32_t>(k), appearance().look(k));
     if (!e) return tl::unexpected(e.error());
-    std::copy(e->begin(), e->end(), irradiance_.begin() + static_cast<std::ptrdiff_t>(k * channels()));
+    std::copy_n(e->begin(), channels(), irradiance_.begin() + static_cast<std::ptrdiff_t>(k * channels()));
+    // A grey lobe among coloured ones gives one value for all.
+    const std::size_t given = e->size() - channels();
+    for (std::size_t c = 0; given > 0 && c < gloss_channels(); ++c)
+      gloss_[k * gloss_channels() + c] = (*e)[channels() + c % given];
   }
   return {};
 }
@@ -90,6 +95,11 @@ Result<bool> HostEvaluation::go_on(double seconds) {
 
 Status HostEvaluation::read_computed(std::span<double> irradiance) {
   std::copy(irradiance_.begin(), irradiance_.end(), irradiance.begin());
+  return {};
+}
+
+Status HostEvaluation::read_gloss_computed(std::span<double> radiance) {
+  std::copy(gloss_.begin(), gloss_.end(), radiance.begin());
   return {};
 }
 

@@ -30,6 +30,7 @@ class HostEvaluation final : public DeviceMethod {
   Status begin() override;
   Result<bool> go_on(double seconds) override;
   Status read_computed(std::span<double> irradiance) override;
+  Status read_gloss_computed(std::span<double> radiance) override;
   /// Receivers [begin, end), up to the first error.
   Status compute(std::size_t begin, std::size_t end);
   Status compute_on_two_threads(std::size_t begin, std::size_t end);
@@ -38,7 +39,7 @@ class HostEvaluation final : public DeviceMethod {
   std::optional<LightField> light_field_;
   std::unique_ptr<HostMethod> form_;  ///< null until it is made for the cells and samples
   std::vector<Receiver> receivers_;
-  std::vector<double> irradiance_;
+  std::vector<double> irradiance_, gloss_;
   std::size_t next_ = 0;  ///< the first not computed
   double took_s_ = 0;
 };

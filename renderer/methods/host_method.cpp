@@ -3,6 +3,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "renderer/methods/closed_form_tiles.h"
 #include "renderer/methods/far_field.h"
 #include "renderer/methods/position_dependent.h"
 #include "renderer/methods/position_dependent_printed.h"
@@ -34,27 +35,55 @@ class ClosedFormOnHost final : public HostMethod {
  public:
   ClosedFormOnHost(const LightField& light_field, double lod) : light_field_(light_field), form_(light_field, lod) {}
 
-  Result<std::vector<double>> irradiance(const Receiver& receiver, std::uint32_t) const override {
-    return form_.irradiance(receiver);
+  using HostMethod::estimate;
+
+  Result<std::vector<double>> light(const Receiver& receiver, std::uint32_t, const Look& look) const override {
+    if (look.plain()) return form_.irradiance(receiver);
+    return form_.light(receiver, look, division(receiver, look));
   }
 
-  /// Rounding, and the bound of the level of detail.
-  Result<Estimate> estimate(const Receiver& receiver, std::uint32_t) const override {
+  /// Rounding, the bound of the level of detail, and what a division in four makes of lobe and shadow, doubled.
+  Result<Estimate> estimate(const Receiver& receiver, std::uint32_t, const Look& look) const override {
     constexpr double rounding = 1e-10;
     std::call_once(once_, [this] { magnitude_ = std::make_unique<ClosedForm>(absolute(light_field_)); });
-    Estimate result{form_.irradiance(receiver), magnitude_->irradiance(receiver)};
-    const std::vector<double> bound = form_.detail_error_bound(receiver);
+    if (look.plain()) {
+      Estimate result{form_.irradiance(receiver), magnitude_->irradiance(receiver)};
+      const std::vector<double> bound = form_.detail_error_bound(receiver);
+      for (std::size_t c = 0; c < bound.size(); ++c)
+        result.stated_error[c] = rounding * result.stated_error[c] + bound[c];
+      return result;
+    }
+    const int division = this->division(receiver, look);
+    Estimate result{form_.light(receiver, look, division), magnitude_->light(receiver, look, division)};
+    const std::vector<double> bound = form_.light_detail_error_bound(receiver, look, division),
+                              finer = form_.light(receiver, look, 2 * division);
     for (std::size_t c = 0; c < bound.size(); ++c)
-      result.stated_error[c] = rounding * result.stated_error[c] + bound[c];
+      result.stated_error[c] =
+          rounding * result.stated_error[c] + bound[c] + 2 * std::abs(finer[c] - result.irradiance[c]);
     return result;
   }
 
+  void finest() { finest_ = true; }
+
  private:
+  /// Subtiles of a tile: as many as the lobe asks for, as kernels have it, or the most.
+  int division(const Receiver& receiver, const Look& look) const {
+    return finest_ ? most_division : gloss_division(TileGrid(light_field_.geometry().sampling), receiver, look.lobe);
+  }
+
   LightField light_field_;
+  bool finest_ = false;
   ClosedForm form_;
   mutable std::once_flag once_;
   mutable std::unique_ptr<ClosedForm> magnitude_;  ///< of |C|, made when an error is first asked for
 };
+
+/// The reference divides all looks finely.
+std::unique_ptr<HostMethod> finest_closed_form(const LightField& light_field) {
+  auto form = std::make_unique<ClosedFormOnHost>(light_field, 0);
+  form->finest();
+  return form;
+}
 
 }  // namespace
 
@@ -89,7 +118,7 @@ Result<std::unique_ptr<HostMethod>> make_host_method(const LightField& light_fie
     case Method::closed_form:
       return std::make_unique<ClosedFormOnHost>(light_field, settings.lod);
     case Method::reference:
-      return std::make_unique<ClosedFormOnHost>(light_field, 0);
+      return finest_closed_form(light_field);
     case Method::position_dependent:
       return std::make_unique<PositionDependent>(light_field, settings);
     case Method::position_dependent_printed:

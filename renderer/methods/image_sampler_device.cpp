@@ -145,7 +145,7 @@ Status ImageSamplerDevice::make_points() {
   return upload(cells_, cells, "cells");
 }
 
-void ImageSamplerDevice::set_arguments(DeviceKernel& kernel) {
+unsigned ImageSamplerDevice::set_arguments(DeviceKernel& kernel) {
   unsigned number = 1;
   kernel.set(number++, receivers_);
   kernel.set(number++, cells_);
@@ -157,6 +157,7 @@ void ImageSamplerDevice::set_arguments(DeviceKernel& kernel) {
   if (settings_.method == Method::position_dependent_printed) kernel.set(number++, marginals_);
   kernel.set(number++, points_);
   kernel.set(number++, sums_);
+  return number;
 }
 
 Status ImageSamplerDevice::check_receiver(const Receiver& receiver) const {

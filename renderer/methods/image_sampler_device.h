@@ -20,7 +20,7 @@ class ImageSamplerDevice final : public SampledDevice {
  private:
   using SampledDevice::SampledDevice;
   Status take_cells(const LightField& light_field) override;
-  void set_arguments(DeviceKernel& kernel) override;
+  unsigned set_arguments(DeviceKernel& kernel) override;
   Status make_points() override;
   Status check_receiver(const Receiver& receiver) const override;
   /// Of all cells together, bounded before any is taken.

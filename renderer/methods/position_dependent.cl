@@ -18,8 +18,11 @@
 #define STEPS 3
 #endif
 
+#include "renderer/methods/gloss_shared.h"
 #include "renderer/methods/sampling_shared.h"
 #include "renderer/methods/sampling_view.clh"
+#include "renderer/methods/gloss.clh"
+#include "renderer/methods/sampling_look.clh"
 #include "renderer/methods/sampling_box.clh"
 
 #define LEAST_SPAN 4
@@ -167,7 +170,8 @@ INLINE Draw search_y(const SamplingGeometry* g, __global const double* column, c
 // F/factor times C/importance, or C near S, summed over the samples of a cell.
 INLINE void add_samples(const SamplingGeometry* g, const View* view, const SamplingCell* cell, const Box* box, int on_u,
                         double all, __global const float* image, __global const double* table,
-                        __global const double* columns, __global const float2* points, int id, int count, double* sum) {
+                        __global const double* columns, __global const float2* points,
+                        __global const GlossLobe* lobe, const CellSight* sight, int id, int count, double* sum) {
   const double height = center_height(view, cell->u_x, cell->u_y);
   const uint first = first_point(g, (uint)cell->number, (uint)id);
   float marginal[WIDEST + BLOCK + 1];
@@ -199,15 +203,17 @@ INLINE void add_samples(const SamplingGeometry* g, const View* view, const Sampl
       ratio = importance > 0 ? 1 / importance : 0;
     }
     const float facing = (float)fmax(height + dot(view->slope, tau), 0.0);
-    const float weight = ratio * phi((float)tau.x) * phi((float)tau.y) * facing;
-    for (int c = 0; c < CHANNELS; ++c) sum[c] += weight * image[c * g->plane + pixel];
+    const float weight = ratio * phi((float)tau.x) * phi((float)tau.y) * facing * seen_at(sight, convert_float2(tau));
+    const double2 u = (double2)(cell->u_x, cell->u_y) + (double2)(g->spacing_x, g->spacing_y) * tau;
+    add_light(sum, weight, image + pixel, g->plane, lobe, &view->at, u);
   }
 }
 
 __kernel void position_dependent(const SamplingGeometry geometry, __global const SamplingReceiver* receivers,
                                  __global const SamplingCell* cells, __global const float* images,
                                  __global const double* tables, __global const double* columns,
-                                 __global const float2* points, __global double* sums) {
+                                 __global const float2* points, __global double* sums, const SamplingLooks looks,
+                                 __global const uint* bits, __global const GlossLobe* lobes, __global double* gloss) {
   const int id = geometry.first_receiver + (int)get_global_id(0);
   if (id >= geometry.receivers || unlit(receivers[id])) return;
   const View view = view_of(&geometry, receivers[id]);
@@ -230,8 +236,8 @@ __kernel void position_dependent(const SamplingGeometry geometry, __global const
 
   // The samples.
   double count = rounding_offset(geometry.seed, (uint)id);
-  double sum[CHANNELS];
-  for (int c = 0; c < CHANNELS; ++c) sum[c] = 0;
+  double sum[VALUES];
+  for (int c = 0; c < VALUES; ++c) sum[c] = 0;
   for (int m = 0; m < geometry.cells; ++m) {
     const SamplingCell cell = cells[m];
     const Box box = box_of(&geometry, &view, &cell);
@@ -244,14 +250,15 @@ __kernel void position_dependent(const SamplingGeometry geometry, __global const
     count += kappa;
     const int samples = (int)(floor(count) - before);
     if (samples <= 0) continue;
-    double part[CHANNELS];
-    for (int c = 0; c < CHANNELS; ++c) part[c] = 0;
-    add_samples(&geometry, &view, &cell, &box, on_u, a, image, table, columns + (size_t)m * geometry.columns, points, id,
-                samples, part);
+    double part[VALUES];
+    for (int c = 0; c < VALUES; ++c) part[c] = 0;
+    const CellSight sight = sight_of(&looks, bits, id, cell.number);
+    add_samples(&geometry, &view, &cell, &box, on_u, a, image, table, columns + (size_t)m * geometry.columns, points,
+                lobes + (LOBES > 0 ? id : 0), &sight, id, samples, part);
     const double scale = (on_u ? 4 * HALF * HALF : a / rates) / kappa;
-    for (int c = 0; c < CHANNELS; ++c) sum[c] += scale * part[c];
+    for (int c = 0; c < VALUES; ++c) sum[c] += scale * part[c];
   }
-  for (int c = 0; c < CHANNELS; ++c) sums[(size_t)id * CHANNELS + c] = view.factor * sum[c];
+  keep_values(sum, view.factor, id, sums, gloss);
 }
 
 // Sizes and offsets of the shared structs as the device lays them out, for a test.
@@ -259,6 +266,9 @@ __kernel void sampling_layout(__global int* layout) {
   SamplingGeometry geometry;
   SamplingReceiver receiver;
   SamplingCell cell;
+  SamplingLooks looks;
+  layout[9] = sizeof looks;
+  layout[10] = (int)((char*)&looks.grid_columns - (char*)&looks);
   layout[0] = sizeof geometry;
   layout[1] = (int)((char*)&geometry.width - (char*)&geometry);
   layout[2] = (int)((char*)&geometry.first_receiver - (char*)&geometry);

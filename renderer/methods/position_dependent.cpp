@@ -13,8 +13,8 @@ void add_sample(const ReceiverView& view, const SampledCell& cell, const Vec2& t
                 std::vector<double>& sum) {
   const double importance = cell.importance.value(i, j);
   if (!(importance > 0)) return;
-  const double weight = scale * view.weight(cell.u_mm, tau) / importance;
-  for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += weight * cell.image->at(static_cast<int>(c), i, j);
+  view.over_values(view.weights(cell.number, tau), of_pixel(cell, i, j),
+                   [&](std::size_t k, double value) { sum[k] += scale / importance * value; });
 }
 
 bool pixel_under(const ReceiverView& view, const Vec2& u_m, const Vec2& tau, int& i, int& j) {
@@ -82,9 +82,10 @@ void PositionDependent::draw(const ReceiverView& view, std::uint32_t number, con
   }
 }
 
-Result<std::vector<double>> PositionDependent::irradiance(const Receiver& receiver, std::uint32_t number) const {
-  std::vector<double> sum(geometry_.channels.size(), 0.0);
-  const ReceiverView view(geometry_, basis_, receiver);
+Result<std::vector<double>> PositionDependent::light(const Receiver& receiver, std::uint32_t number,
+                                                     const Look& look) const {
+  const ReceiverView view(geometry_, basis_, receiver, look);
+  std::vector<double> sum(view.values(), 0.0);
   if (!view.in_front()) return sum;
   const Balance share = balance(view);
   const std::vector<int> counts = systematic_rounding(share.kappa, rounding_offset(settings_.seed, number));
@@ -96,11 +97,11 @@ Result<std::vector<double>> PositionDependent::irradiance(const Receiver& receiv
 }
 
 /// The variance of a cell's sum is at most 1/κ ∫ (F C)²/q dτ for samples of density q, whatever the rounding of κ.
-Result<Estimate> PositionDependent::estimate(const Receiver& receiver, std::uint32_t number) const {
-  auto value = irradiance(receiver, number);
+Result<Estimate> PositionDependent::estimate(const Receiver& receiver, std::uint32_t number, const Look& look) const {
+  auto value = light(receiver, number, look);
   if (!value) return tl::unexpected(value.error());
-  Estimate result{std::move(*value), std::vector<double>(geometry_.channels.size(), 0.0)};
-  const ReceiverView view(geometry_, basis_, receiver);
+  const ReceiverView view(geometry_, basis_, receiver, look);
+  Estimate result{std::move(*value), std::vector<double>(view.values(), 0.0)};
   if (!view.in_front()) return result;
   const Balance share = balance(view);
   const double support = 4 * view.half_support() * view.half_support();

@@ -24,8 +24,9 @@ class PositionDependent final : public HostMethod {
  public:
   PositionDependent(const LightField& light_field, const MethodSettings& settings);
 
-  Result<std::vector<double>> irradiance(const Receiver& receiver, std::uint32_t number) const override;
-  Result<Estimate> estimate(const Receiver& receiver, std::uint32_t number) const override;
+  using HostMethod::estimate;
+  Result<std::vector<double>> light(const Receiver& receiver, std::uint32_t number, const Look& look) const override;
+  Result<Estimate> estimate(const Receiver& receiver, std::uint32_t number, const Look& look) const override;
 
   /// Pixels of the support's shorter side below which samples are uniform on U.
   static constexpr double least_span_px = 4;

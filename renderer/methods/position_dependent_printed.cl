@@ -9,8 +9,11 @@
 #define CHANNELS 1
 #endif
 
+#include "renderer/methods/gloss_shared.h"
 #include "renderer/methods/sampling_shared.h"
 #include "renderer/methods/sampling_view.clh"
+#include "renderer/methods/gloss.clh"
+#include "renderer/methods/sampling_look.clh"
 #include "renderer/methods/sampling_box.clh"
 
 // cdf^-1 by the modified secant over [low, high] of a table that is linear between whole numbers.
@@ -59,7 +62,9 @@ __kernel void position_dependent_printed(const SamplingGeometry geometry, __glob
                                          __global const SamplingCell* cells, __global const float* images,
                                          __global const double* tables, __global const double* columns,
                                          __global const double* marginals, __global const float2* points,
-                                         __global double* sums) {
+                                         __global double* sums, const SamplingLooks looks,
+                                         __global const uint* bits, __global const GlossLobe* lobes,
+                                         __global double* gloss) {
   const int id = geometry.first_receiver + (int)get_global_id(0);
   if (id >= geometry.receivers || unlit(receivers[id])) return;
   const SamplingReceiver at = receivers[id];
@@ -79,8 +84,8 @@ __kernel void position_dependent_printed(const SamplingGeometry geometry, __glob
   if (!(all > 0)) return;
 
   // Step 2: the samples of each image.
-  double sum[CHANNELS];
-  for (int c = 0; c < CHANNELS; ++c) sum[c] = 0;
+  double sum[VALUES];
+  for (int c = 0; c < VALUES; ++c) sum[c] = 0;
   for (int m = 0; m < geometry.cells; ++m) {
     const SamplingCell cell = cells[m];
     const Box box = box_of(&geometry, &view, &cell);
@@ -91,8 +96,9 @@ __kernel void position_dependent_printed(const SamplingGeometry geometry, __glob
     const int samples = (int)floor(kappa + 0.5);
     const double2 u_m = (double2)(cell.u_x, cell.u_y);
     const uint first = first_point(&geometry, 0, (uint)id);
-    float part[CHANNELS];
-    for (int c = 0; c < CHANNELS; ++c) part[c] = 0;
+    const CellSight sight = sight_of(&looks, bits, id, cell.number);
+    double part[VALUES];
+    for (int c = 0; c < VALUES; ++c) part[c] = 0;
     for (int k = 0; k < samples; ++k) {
       const float2 xi = sample_point(&geometry, points, &cell, first, k);
       double2 u;
@@ -125,13 +131,13 @@ __kernel void position_dependent_printed(const SamplingGeometry geometry, __glob
       const int pixel = j * geometry.stride + i;
       const float luminance = luminance_at(&geometry, image, pixel);
       if (!(luminance > 0)) continue;
-      const float weight = psi * facing * to_plane / (along * along * along);
-      for (int c = 0; c < CHANNELS; ++c) part[c] += weight * image[c * geometry.plane + pixel] / luminance;
+      const float weight = psi * facing * to_plane / (along * along * along) / luminance * seen_at(&sight, tau);
+      add_light(part, weight, image + pixel, geometry.plane, lobes + (LOBES > 0 ? id : 0), &at, u);
     }
     const double pixel_area = view.r > 0 ? geometry.pixel_x * geometry.pixel_y
                                          : 4 * HALF * HALF * geometry.spacing_x * geometry.spacing_y;
     if (samples > 0)
-      for (int c = 0; c < CHANNELS; ++c) sum[c] += a * pixel_area / samples * part[c];
+      for (int c = 0; c < VALUES; ++c) sum[c] += a * pixel_area / samples * part[c];
   }
-  for (int c = 0; c < CHANNELS; ++c) sums[(size_t)id * CHANNELS + c] = sum[c];
+  keep_values(sum, 1, id, sums, gloss);
 }

@@ -71,9 +71,10 @@ std::vector<double> PositionDependentPrinted::areas(const ReceiverView& view) co
   return a;
 }
 
-Result<std::vector<double>> PositionDependentPrinted::irradiance(const Receiver& receiver, std::uint32_t number) const {
-  std::vector<double> sum(geometry_.channels.size(), 0.0);
-  const ReceiverView view(geometry_, basis_, receiver);
+Result<std::vector<double>> PositionDependentPrinted::light(const Receiver& receiver, std::uint32_t number,
+                                                            const Look& look) const {
+  const ReceiverView view(geometry_, basis_, receiver, look);
+  std::vector<double> sum(view.values(), 0.0);
   if (!view.in_front()) return sum;
   if (const Status good = check_printed_receiver(geometry_, receiver); !good) return tl::unexpected(good.error());
   const std::vector<double> a = areas(view);
@@ -104,37 +105,36 @@ Result<std::vector<double>> PositionDependentPrinted::irradiance(const Receiver&
   return sum;
 }
 
-Result<Estimate> PositionDependentPrinted::estimate(const Receiver& receiver, std::uint32_t number) const {
-  auto value = irradiance(receiver, number);
+Result<Estimate> PositionDependentPrinted::estimate(const Receiver& receiver, std::uint32_t number,
+                                                    const Look& look) const {
+  auto value = light(receiver, number, look);
   if (!value) return tl::unexpected(value.error());
-  const std::size_t channels = geometry_.channels.size();
-  Estimate result{std::move(*value), std::vector<double>(channels, 0.0)};
-  const ReceiverView view(geometry_, basis_, receiver);
+  const ReceiverView view(geometry_, basis_, receiver, look);
+  Estimate result{std::move(*value), std::vector<double>(view.values(), 0.0)};
   if (!view.in_front()) return result;
   const std::vector<double> a = areas(view);
   const std::vector<int> counts = nearest_counts(expected_counts(a, settings_.samples, settings_.k_max));
   const double support = 4 * view.half_support() * view.half_support(), rates = std::abs(view.rate().prod());
-  std::vector<double> bias(channels, 0.0);
+  std::vector<double> bias(view.values(), 0.0);
   for (std::size_t m = 0; m < cells_.size(); ++m) {
     const SampledCell& cell = cells_[m];
     const PixelBox box = cell.importance.clipped(view.box(cell.u_mm));
     over_seen_pixels(view, cell.u_mm, [&](int i, int j, const Vec2& tau, double area) {
       // `wanted` is the density that the estimator divides by, `drawn` that of its samples.
-      const double luminance = cell.importance.value(i, j), weight = view.weight(cell.u_mm, tau);
+      const double luminance = cell.importance.value(i, j);
       if (!(luminance > 0)) return;
       const Vec2 at = view.on_s_px(cell.u_mm, tau);
       const bool on_s = !(view.delta_mm() > 0);
       const double wanted = on_s ? 1 / support : a[m] > 0 ? luminance / a[m] : 0;
       const double drawn = on_s ? 1 / support : rates * tables_[m].pdf(at.x(), at.y(), box);
       const double ratio = counts[m] > 0 && wanted > 0 ? drawn / wanted : 0;
-      for (std::size_t c = 0; c < channels; ++c) {
-        const double f = weight * cell.image->at(static_cast<int>(c), i, j);
+      view.over_values(view.weights(cell.number, tau), of_pixel(cell, i, j), [&](std::size_t c, double f) {
         bias[c] += area * f * (ratio - 1);
         if (counts[m] > 0 && wanted > 0) result.stated_error[c] += area * f * f * drawn / (wanted * wanted) / counts[m];
-      }
+      });
     });
   }
-  for (std::size_t c = 0; c < channels; ++c)
+  for (std::size_t c = 0; c < bias.size(); ++c)
     result.stated_error[c] = std::abs(bias[c]) + std::sqrt(result.stated_error[c]);
   return result;
 }

@@ -66,25 +66,26 @@ PrecomputedLights::PrecomputedLights(const LightField& light_field, const Method
       total_(sum_of(importances_of(cells_))),
       lights_(precompute_lights(cells_, settings)) {}
 
-Result<std::vector<double>> PrecomputedLights::irradiance(const Receiver& receiver, std::uint32_t) const {
-  std::vector<double> sum(geometry_.channels.size(), 0.0);
-  const ReceiverView view(geometry_, basis_, receiver);
+Result<std::vector<double>> PrecomputedLights::light(const Receiver& receiver, std::uint32_t, const Look& look) const {
+  const ReceiverView view(geometry_, basis_, receiver, look);
+  std::vector<double> sum(view.values(), 0.0);
   if (!view.in_front()) return sum;
   const double rates = std::abs(view.rate().prod());
   if (!(rates > 0)) return fail("lies on S, where no light is seen", "receiver", "use closed-form");
   for (const PrecomputedLight& light : lights_) {
-    const Vec2& u_m = cells_[static_cast<std::size_t>(light.cell)].u_mm;
-    const double weight = view.weight(u_m, view.tau(u_m, light.on_s_px)) / rates;
-    for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += weight * light.value[c];
+    const MeasuredCell& cell = cells_[static_cast<std::size_t>(light.cell)];
+    view.over_values(
+        view.weights(cell.number, view.tau(cell.u_mm, light.on_s_px)), [&](std::size_t c) { return light.value[c]; },
+        [&](std::size_t k, double value) { sum[k] += value / rates; });
   }
   return sum;
 }
 
-Result<Estimate> PrecomputedLights::estimate(const Receiver& receiver, std::uint32_t number) const {
-  auto value = irradiance(receiver, number);
+Result<Estimate> PrecomputedLights::estimate(const Receiver& receiver, std::uint32_t number, const Look& look) const {
+  auto value = light(receiver, number, look);
   if (!value) return tl::unexpected(value.error());
-  Estimate result{std::move(*value), std::vector<double>(geometry_.channels.size(), 0.0)};
-  const ReceiverView view(geometry_, basis_, receiver);
+  const ReceiverView view(geometry_, basis_, receiver, look);
+  Estimate result{std::move(*value), std::vector<double>(view.values(), 0.0)};
   if (!view.in_front() || lights_.empty()) return result;
   const double share = total_ / settings_.samples / std::abs(view.rate().prod());
   for (const MeasuredCell& cell : cells_) {

@@ -63,11 +63,12 @@ Status PrecomputedLightsDevice::make_points() {
   return upload(cells_, cells, "cells");
 }
 
-void PrecomputedLightsDevice::set_arguments(DeviceKernel& kernel) {
+unsigned PrecomputedLightsDevice::set_arguments(DeviceKernel& kernel) {
   kernel.set(1, receivers_);
   kernel.set(2, cells_);
   kernel.set(3, lights_);
   kernel.set(4, sums_);
+  return 5;
 }
 
 Status PrecomputedLightsDevice::check_receiver(const Receiver& receiver) const {

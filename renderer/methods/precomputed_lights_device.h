@@ -14,7 +14,7 @@ class PrecomputedLightsDevice final : public SampledDevice {
  private:
   using SampledDevice::SampledDevice;
   Status take_cells(const LightField& light_field) override;
-  void set_arguments(DeviceKernel& kernel) override;
+  unsigned set_arguments(DeviceKernel& kernel) override;
   Status make_points() override;
   Status check_memory() const;
   Status check_receiver(const Receiver& receiver) const override;

@@ -3,10 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renderer/methods/gloss.h"
+
 namespace lumifield {
 
-ReceiverView::ReceiverView(const LuminaireGeometry& geometry, const Basis& basis, const Receiver& receiver)
-    : geometry_(&geometry), basis_(&basis), receiver_(at_lit_height(receiver)), half_(basis.half_support()) {
+ReceiverView::ReceiverView(const LuminaireGeometry& geometry, const Basis& basis, const Receiver& receiver,
+                           const Look& look)
+    : geometry_(&geometry),
+      basis_(&basis),
+      receiver_(at_lit_height(receiver)),
+      look_(look),
+      channels_(geometry.channels.size()),
+      gloss_(gloss_values(look.lobe, channels_)),
+      half_(basis.half_support()) {
   if (!in_front()) return;
   const double delta = geometry.planes.separation_mm, z = receiver_.p_mm.z();
   const Vec2 a = geometry.sampling.spacing_mm;
@@ -39,6 +48,27 @@ double ReceiverView::weight(const Vec2& u_m, const Vec2& tau) const {
   const Vec3 &p = receiver_.p_mm, &n = receiver_.n;
   const double g = n.x() * (u.x() - p.x()) + n.y() * (u.y() - p.y()) - n.z() * p.z();
   return g > 0 ? factor_ * (*basis_)(tau.x()) * (*basis_)(tau.y()) * g : 0;
+}
+
+ReceiverView::Weights ReceiverView::weights(std::uint32_t number, const Vec2& tau) const {
+  const Sampling& sampling = geometry_->sampling;
+  const CellIndex cell = sampling.index(static_cast<int>(number));
+  const Vec2 u_m = sampling.cell_center_mm(cell), u = u_m + sampling.spacing_mm.cwiseProduct(tau);
+  Weights result{weight(u_m, tau), {}};
+  if (result.irradiance == 0) return result;
+  if (look_.sees) {
+    if (!look_.sees(u)) return {};
+  } else if (look_.visible) {
+    // The tile under τ; the support's high end counts to its last.
+    const auto tile = [&](double t) { return std::clamp(static_cast<int>(t + half_), 0, basis_->overlap() - 1); };
+    result.irradiance *=
+        look_.visible->share(look_.receiver, cell, cell.column + tile(tau.x()), cell.row + tile(tau.y()));
+  }
+  if (gloss_ == 0 || result.irradiance == 0) return result;
+  const Vec3& p = receiver_.p_mm;
+  result.gloss = glossy_brdf(look_.lobe, receiver_.n, Vec3(u.x() - p.x(), u.y() - p.y(), -p.z()).normalized());
+  for (double& f : result.gloss) f *= result.irradiance;
+  return result;
 }
 
 }  // namespace lumifield

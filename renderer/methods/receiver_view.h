@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
+
 #include "luminaire/basis.h"
-#include "renderer/methods/closed_form.h"
+#include "renderer/methods/look.h"
+#include "renderer/methods/receiver.h"
 #include "renderer/sampling/summed_area_table.h"
 
 namespace lumifield {
@@ -15,7 +18,7 @@ namespace lumifield {
 /// Value type; refers to the geometry. Safe from any thread.
 class ReceiverView {
  public:
-  ReceiverView(const LuminaireGeometry& geometry, const Basis& basis, const Receiver& receiver);
+  ReceiverView(const LuminaireGeometry& geometry, const Basis& basis, const Receiver& receiver, const Look& look = {});
 
   /// In front of U: else the irradiance is 0.
   bool in_front() const { return receiver_.p_mm.z() > 0; }
@@ -36,6 +39,22 @@ class ReceiverView {
   /// δ² a_x a_y/(δ+Δ)³ φ(τ_x) φ(τ_y) max(0, n·(u−p)): irradiance per unit of C and of τ².
   double weight(const Vec2& u_m, const Vec2& tau) const;
 
+  /// What a light in cell `number` at τ is multiplied by: the same times what is seen of it, and that times the lobe,
+  /// by colour.
+  struct Weights {
+    double irradiance = 0;
+    std::array<double, 3> gloss{};
+  };
+  Weights weights(std::uint32_t number, const Vec2& tau) const;
+  /// Values of a receiver: irradiance by channel, then radiance by gloss (gloss_values).
+  std::size_t values() const { return channels_ + gloss_; }
+  /// Calls visit(k, w · C) for each of them, C by channel of a pixel.
+  template <class Light, class Visit>
+  void over_values(const Weights& w, const Light& light, const Visit& visit) const {
+    for (std::size_t c = 0; c < channels_; ++c) visit(c, w.irradiance * light(c));
+    for (std::size_t c = 0; c < gloss_; ++c) visit(channels_ + c, w.gloss[c] * light(channels_ == 1 ? 0 : c));
+  }
+
   const LuminaireGeometry& geometry() const { return *geometry_; }
   const Receiver& receiver() const { return receiver_; }
   const Basis& basis() const { return *basis_; }
@@ -44,6 +63,8 @@ class ReceiverView {
   const LuminaireGeometry* geometry_;
   const Basis* basis_;
   Receiver receiver_;
+  Look look_;
+  std::size_t channels_, gloss_;
   double half_, factor_ = 0;
   Vec2 rate_{0, 0};
 };

@@ -20,6 +20,13 @@ struct SampledCell : MeasuredCell {
   SummedAreaTable importance;
 };
 
+/// C of a pixel, by channel.
+inline auto of_pixel(const MeasuredCell& cell, int i, int j) {
+  return [image = cell.image.get(), i, j](std::size_t c) {
+    return static_cast<double>(image->at(static_cast<int>(c), i, j));
+  };
+}
+
 /// What samples are drawn by: Σ_channels |C|, which no channel outgrows and no sign hides.
 double importance_at(const CellImage& image, int i, int j);
 std::vector<double> importance_image(const CellImage& image);

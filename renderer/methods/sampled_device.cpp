@@ -44,12 +44,52 @@ Status SampledDevice::open(std::string_view source, const std::string& function,
   auto device = OpenClDevice::create();
   if (!device) return tl::unexpected(device.error());
   device_ = std::move(*device);
+  source_ = source;
+  function_ = function;
+  defines_ = defines;
+  return build();
+}
+
+/// The kernel for the receivers' appearance, built once.
+Status SampledDevice::build() {
+  const int lobes = gloss_channels() == 0 ? 0 : appearance().is_grey() ? 1 : 3;
+  const std::string looks =
+      " -DSHADOW=" + std::string(appearance().visible.empty() ? "0" : "1") + " -DLOBES=" + std::to_string(lobes);
+  if (const auto made = kernels_.find(looks); made != kernels_.end()) {
+    kernel_ = made->second;
+    return {};
+  }
   const std::string options = "-DBASIS=" + std::to_string(static_cast<int>(geometry_.sampling.basis)) +
-                              " -DCHANNELS=" + std::to_string(geometry_.channels.size()) + " " + defines;
-  auto kernel = device_->build(source, options, function);
+                              " -DCHANNELS=" + std::to_string(geometry_.channels.size()) + looks + " " + defines_;
+  auto kernel = device_->build(source_, options, function_);
   if (!kernel) return tl::unexpected(kernel.error());
-  kernel_ = *kernel;
+  kernel_ = kernels_[looks] = *kernel;
   return {};
+}
+
+Status SampledDevice::take_appearance() {
+  if (Status built = build(); !built) return built;
+  const TileVisibility& visible = appearance().visible;
+  const TileGrid grid(geometry_.sampling);
+  looks_ = {grid.columns,
+            grid.rows,
+            static_cast<int>(visible.row_words()),
+            visible.weighing == ShadowWeighing::mean,
+            geometry_.sampling.columns,
+            {0, 0, 0}};
+  // No buffer is empty.
+  if (Status done = upload(bits_, visible.empty() ? std::vector<std::uint32_t>(1) : visible.words, "shadows"); !done)
+    return done;
+  if (Status done = upload(lobes_, gloss_channels() == 0 ? std::vector<GlossLobe>(1) : appearance().gloss, "lobes");
+      !done)
+    return done;
+  return upload(gloss_, std::vector<double>(std::max<std::size_t>(receivers() * gloss_channels(), 1)),
+                "radiance by gloss");
+}
+
+void SampledDevice::set_looks(DeviceKernel& kernel, unsigned number) {
+  kernel.set(number++, looks_);
+  for (const DeviceBuffer& buffer : {bits_, lobes_, gloss_}) kernel.set(number++, buffer);
 }
 
 Status SampledDevice::take_receivers(std::span<const Receiver> receivers) {
@@ -58,6 +98,7 @@ Status SampledDevice::take_receivers(std::span<const Receiver> receivers) {
   for (const Receiver& r : receivers)
     all.push_back({r.p_mm.x(), r.p_mm.y(), lit_height_mm(r.p_mm.z()), r.n.x(), r.n.y(), r.n.z()});
   if (Status written = upload(receivers_, all, "receivers"); !written) return written;
+  if (Status taken = take_appearance(); !taken) return taken;
   const std::vector<double> none(all.size() * channels(), 0.0);
   return upload(sums_, none, "irradiance");
 }
@@ -71,7 +112,8 @@ Status SampledDevice::begin() {
     if (Status made = make_points(); !made) return made;
   points_made_ = true;
   if (receivers() > 0)
-    if (Status cleared = device_->zero(sums_); !cleared) return cleared;
+    for (const DeviceBuffer& sums : {sums_, gloss_})
+      if (Status cleared = device_->zero(sums); !cleared) return cleared;
   next_ = 0;
   kernel_s_ = 0;
   return {};
@@ -89,7 +131,7 @@ std::size_t SampledDevice::band(double seconds) const {
 }
 
 Result<bool> SampledDevice::go_on(double seconds) {
-  set_arguments(kernel_);
+  set_looks(kernel_, set_arguments(kernel_));
   const auto start = std::chrono::steady_clock::now();
   const auto left = [&] {
     return seconds - std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -110,6 +152,10 @@ Result<bool> SampledDevice::go_on(double seconds) {
 
 Status SampledDevice::read_computed(std::span<double> irradiance) {
   return device_->read(sums_, std::as_writable_bytes(irradiance));
+}
+
+Status SampledDevice::read_gloss_computed(std::span<double> radiance) {
+  return device_->read(gloss_, std::as_writable_bytes(radiance));
 }
 
 }  // namespace lumifield

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,8 +25,9 @@ class SampledDevice : public DeviceMethod {
   /// channels or settings that the kernels cannot take, the device's.
   Status open(std::string_view source, const std::string& function, const std::string& defines = "");
 
-  /// Sets all arguments but the first, the geometry.
-  virtual void set_arguments(DeviceKernel& kernel) = 0;
+  /// Sets all arguments but the first, the geometry, and the last, what the receivers look like; gives the number of
+  /// the next.
+  virtual unsigned set_arguments(DeviceKernel& kernel) = 0;
   /// What depends on the cells, the samples and the seed; called before an evaluation where these changed.
   virtual Status make_points() = 0;
 
@@ -50,10 +52,18 @@ class SampledDevice : public DeviceMethod {
   Status begin() override;
   Result<bool> go_on(double seconds) override;
   Status read_computed(std::span<double> irradiance) override;
+  Status read_gloss_computed(std::span<double> radiance) override;
+  Status build();
+  Status take_appearance();
+  void set_looks(DeviceKernel& kernel, unsigned number);
   /// Receivers of the next band, where `seconds` are left.
   std::size_t band(double seconds) const;
 
+  std::string source_, function_, defines_;
+  std::map<std::string, DeviceKernel> kernels_;  ///< by what appearances they are for
   DeviceKernel kernel_;
+  SamplingLooks looks_{};
+  DeviceBuffer bits_, lobes_, gloss_;
   std::size_t next_ = 0;  ///< the first receiver not computed
   bool points_made_ = false;
   double kernel_s_ = 0;

@@ -32,17 +32,15 @@ void over_seen_pixels(const ReceiverView& view, const Vec2& u_m, const Visit& vi
     }
 }
 
-/// Adds ∫ scale (F C)² dτ over what is seen of a cell, by channel: the variance of a sample of density q is at most
-/// that of 1/q. scale(i, j): of a pixel, not negative.
+/// Adds ∫ scale (F C)² dτ over what is seen of a cell, by value of the receiver: the variance of a sample of density q
+/// is at most that of 1/q. scale(i, j): of a pixel, not negative.
 template <class Scale>
 void add_variance(const ReceiverView& view, const MeasuredCell& cell, const Scale& scale,
                   std::vector<double>& variance) {
   over_seen_pixels(view, cell.u_mm, [&](int i, int j, const Vec2& tau, double area) {
-    const double weight = view.weight(cell.u_mm, tau), each = area * scale(i, j);
-    for (std::size_t c = 0; c < variance.size(); ++c) {
-      const double f = weight * cell.image->at(static_cast<int>(c), i, j);
-      variance[c] += each * f * f;
-    }
+    const double each = area * scale(i, j);
+    view.over_values(view.weights(cell.number, tau), of_pixel(cell, i, j),
+                     [&](std::size_t k, double f) { variance[k] += each * f * f; });
   });
 }
 

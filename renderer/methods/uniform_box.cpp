@@ -16,9 +16,9 @@ UniformBox::UniformBox(const LightField& light_field, const MethodSettings& sett
       cells_(measured_cells(light_field)),
       points_(settings.sequence, settings.samples, settings.seed) {}
 
-Result<std::vector<double>> UniformBox::irradiance(const Receiver& receiver, std::uint32_t number) const {
-  std::vector<double> sum(geometry_.channels.size(), 0.0);
-  const ReceiverView view(geometry_, basis_, receiver);
+Result<std::vector<double>> UniformBox::light(const Receiver& receiver, std::uint32_t number, const Look& look) const {
+  const ReceiverView view(geometry_, basis_, receiver, look);
+  std::vector<double> sum(view.values(), 0.0);
   if (!view.in_front() || cells_.empty()) return sum;
   const double kappa = settings_.samples / static_cast<double>(cells_.size()), half = view.half_support();
   const std::vector<int> counts =
@@ -30,18 +30,18 @@ Result<std::vector<double>> UniformBox::irradiance(const Receiver& receiver, std
       const Vec2 tau(half * (2.0 * xi.x - 1), half * (2.0 * xi.y - 1));
       int i = 0, j = 0;
       if (!pixel_under(view, cell.u_mm, tau, i, j)) continue;
-      const double weight = 4 * half * half / kappa * view.weight(cell.u_mm, tau);
-      for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += weight * cell.image->at(static_cast<int>(c), i, j);
+      view.over_values(view.weights(cell.number, tau), of_pixel(cell, i, j),
+                       [&](std::size_t c, double value) { sum[c] += 4 * half * half / kappa * value; });
     }
   }
   return sum;
 }
 
-Result<Estimate> UniformBox::estimate(const Receiver& receiver, std::uint32_t number) const {
-  auto value = irradiance(receiver, number);
+Result<Estimate> UniformBox::estimate(const Receiver& receiver, std::uint32_t number, const Look& look) const {
+  auto value = light(receiver, number, look);
   if (!value) return tl::unexpected(value.error());
-  Estimate result{std::move(*value), std::vector<double>(geometry_.channels.size(), 0.0)};
-  const ReceiverView view(geometry_, basis_, receiver);
+  const ReceiverView view(geometry_, basis_, receiver, look);
+  Estimate result{std::move(*value), std::vector<double>(view.values(), 0.0)};
   if (!view.in_front() || cells_.empty()) return result;
   const double kappa = settings_.samples / static_cast<double>(cells_.size()), half = view.half_support();
   for (const MeasuredCell& cell : cells_)

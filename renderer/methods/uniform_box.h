@@ -14,8 +14,9 @@ class UniformBox final : public HostMethod {
  public:
   UniformBox(const LightField& light_field, const MethodSettings& settings);
 
-  Result<std::vector<double>> irradiance(const Receiver& receiver, std::uint32_t number) const override;
-  Result<Estimate> estimate(const Receiver& receiver, std::uint32_t number) const override;
+  using HostMethod::estimate;
+  Result<std::vector<double>> light(const Receiver& receiver, std::uint32_t number, const Look& look) const override;
+  Result<Estimate> estimate(const Receiver& receiver, std::uint32_t number, const Look& look) const override;
 
  private:
   LuminaireGeometry geometry_;

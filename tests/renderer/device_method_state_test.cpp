@@ -160,11 +160,11 @@ TEST_P(DeviceMethodState, SettingsThatAKernelHasNoUseForAreRefused) {
 class ThrowingForm final : public HostMethod {
  public:
   explicit ThrowingForm(std::uint32_t from) : from_(from) {}
-  Result<std::vector<double>> irradiance(const Receiver&, std::uint32_t number) const override {
+  Result<std::vector<double>> light(const Receiver&, std::uint32_t number, const Look&) const override {
     if (number >= from_) throw std::bad_alloc();
     return std::vector<double>{1};
   }
-  Result<Estimate> estimate(const Receiver&, std::uint32_t) const override { return Estimate{{1}, {0}}; }
+  Result<Estimate> estimate(const Receiver&, std::uint32_t, const Look&) const override { return Estimate{{1}, {0}}; }
 
  private:
   std::uint32_t from_;

@@ -238,15 +238,16 @@ TEST_F(DeviceMethods, RefuseWhatTheirHostFormsRefuse) {
 TEST_F(DeviceMethods, SharedStructsLieAlike) {
   auto device = OpenClDevice::create().value();
   auto kernel = device->build("position_dependent", "", "sampling_layout").value();
-  const auto buffer = device->allocate(9 * sizeof(int), "layout").value();
+  const auto buffer = device->allocate(11 * sizeof(int), "layout").value();
   kernel.set(0, buffer);
   ASSERT_TRUE(device->run(kernel, 1, 1));
-  std::vector<int> layout(9);
+  std::vector<int> layout(11);
   ASSERT_TRUE(device->read(buffer, std::as_writable_bytes(std::span(layout))));
   EXPECT_EQ(layout, (std::vector<int>{sizeof(SamplingGeometry), offsetof(SamplingGeometry, width),
                                       offsetof(SamplingGeometry, first_receiver), offsetof(SamplingGeometry, seed),
                                       sizeof(SamplingReceiver), offsetof(SamplingReceiver, n_z), sizeof(SamplingCell),
-                                      offsetof(SamplingCell, shift_x), offsetof(SamplingCell, first_light)}));
+                                      offsetof(SamplingCell, shift_x), offsetof(SamplingCell, first_light),
+                                      sizeof(SamplingLooks), offsetof(SamplingLooks, grid_columns)}));
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ TEST(OpenClDevice, StructsAreLaidOutAsOnTheHost) {
   if (!device) GTEST_SKIP() << device.error().message();
   auto kernel = (*device)->build("closed_form", "", "closed_form_layout");
   ASSERT_TRUE(kernel) << kernel.error().message();
-  std::vector<int> layout(14);
+  std::vector<int> layout(16);
   auto buffer = (*device)->allocate(layout.size() * sizeof(int), "the layout");
   ASSERT_TRUE(buffer);
   kernel->set(0, *buffer);
@@ -44,7 +44,8 @@ TEST(OpenClDevice, StructsAreLaidOutAsOnTheHost) {
                               sizeof(ClosedFormReceiver), offsetof(ClosedFormReceiver, n_z), sizeof(ClosedFormCell),
                               offsetof(ClosedFormCell, sign), offsetof(ClosedFormCell, image), sizeof(ClosedFormLevel),
                               offsetof(ClosedFormLevel, offset), offsetof(ClosedFormCell, column),
-                              sizeof(ClosedFormGrid), offsetof(ClosedFormGrid, rows)}));
+                              sizeof(ClosedFormGrid), offsetof(ClosedFormGrid, rows), sizeof(ClosedFormTiles),
+                              offsetof(ClosedFormTiles, first)}));
 }
 
 TEST(OpenClDevice, AnArgumentThatCannotBeSetIsAnErrorUntilItIs) {
