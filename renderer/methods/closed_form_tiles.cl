@@ -125,13 +125,16 @@ INLINE int column_weights(const TileView* t, const TileCell* cell, const Moments
   return any;
 }
 
-// The rows' moments of one subtile row as numbers.
+// The rows' moments of one subtile row as numbers, and which rows of a block it shows.
 typedef struct {
+  int begin, end;
   float plain[ENDS][BLOCK], rising[ENDS][BLOCK];
 } RowMoments;
 
-INLINE RowMoments row_moments(const Moments* m) {
+INLINE RowMoments row_moments(const Moments* m, int2 rows, int row) {
   RowMoments r;
+  r.begin = max(rows.x - row, 0);
+  r.end = min(rows.y - row, BLOCK);
   vstore16(m->plain, 0, r.plain[0]);
   vstore16(m->rising, 0, r.rising[0]);
 #if LOBES > 0
@@ -141,25 +144,44 @@ INLINE RowMoments row_moments(const Moments* m) {
   return r;
 }
 
-// Adds the pixels of rows `begin` to `end` of a block, of one subtile row.
+// Adds the pixels of rows `begin` to `end` of a block, of one subtile row. Where channels share a weight it is formed for
+// each pixel, else the rows' moments are summed by themselves.
+#if CHANNELS == 3 && COLOURS == 1
 INLINE void add_rows(__global const float* pixels, int plane, int stride, int begin, int end, const ColumnWeights* w,
                      const RowMoments* y, float16* sum) {
   for (int j = begin; j < end; ++j) {
-    float16 weight[COLOURS];
-    for (int c = 0; c < COLOURS; ++c) {
-      weight[c] = w->plain[c][0] * y->plain[0][j] + w->rising[c][0] * y->rising[0][j];
-#if LOBES > 0
-      weight[c] += w->plain[c][1] * y->plain[1][j] + w->rising[c][1] * y->rising[1][j];
+    float16 weight = w->plain[0][0] * y->plain[0][j] + w->rising[0][0] * y->rising[0][j];
+#if ENDS == 2
+    weight += w->plain[0][1] * y->plain[1][j] + w->rising[0][1] * y->rising[1][j];
 #endif
-    }
-#if CHANNELS == 1
-    const float16 value = vload16(0, pixels + j * stride);
-    for (int o = 0; o < OUTS; ++o) sum[o] += weight[o] * value;
-#else
-    for (int o = 0; o < OUTS; ++o) sum[o] += weight[COLOURS == 1 ? 0 : o] * vload16(0, pixels + o * plane + j * stride);
-#endif
+#pragma unroll
+    for (int o = 0; o < OUTS; ++o) sum[o] += weight * vload16(0, pixels + o * plane + j * stride);
   }
 }
+#else
+INLINE void add_rows(__global const float* pixels, int plane, int stride, int begin, int end, const ColumnWeights* w,
+                     const RowMoments* y, float16* sum) {
+#pragma unroll
+  for (int channel = 0; channel < CHANNELS; ++channel) {
+    float16 plain[ENDS], rising[ENDS];
+#pragma unroll
+    for (int e = 0; e < ENDS; ++e) plain[e] = rising[e] = 0;
+    for (int j = begin; j < end; ++j) {
+      const float16 value = vload16(0, pixels + channel * plane + j * stride);
+#pragma unroll
+      for (int e = 0; e < ENDS; ++e) {
+        plain[e] += value * y->plain[e][j];
+        rising[e] += value * y->rising[e][j];
+      }
+    }
+#pragma unroll
+    for (int c = 0; c < COLOURS; ++c)
+      if (CHANNELS == 1 || c == channel)
+#pragma unroll
+        for (int e = 0; e < ENDS; ++e) sum[c] += plain[e] * w->plain[c][e] + rising[e] * w->rising[c][e];
+  }
+}
+#endif
 
 // A pixel's part in a subtile, in X.
 INLINE double2 part_of(const TileAxis* axis, const SeenAxis* seen, int pixel, int subtile) {
@@ -206,13 +228,11 @@ typedef struct {
   int plane, stride;
 } SeenPixels;
 
-INLINE void add_subtile_row(const TileView* t, const TileCell* cell, const Moments* x, int column, const SeenAxis* seen_y,
-                            const RowMoments* y, int j, int row, const SeenPixels* at, float16* sum) {
+INLINE void add_subtile_row(const TileView* t, const TileCell* cell, const Moments* x, int column, const RowMoments* y,
+                            int j, int row, const SeenPixels* at, float16* sum) {
   ColumnWeights w;
-  const int2 rows = shown_by(&t->y, seen_y, j);
-  const int begin = max(rows.x - row, 0), end = min(rows.y - row, BLOCK);
-  if (begin >= end || !column_weights(t, cell, x, j, &w)) return;
-  add_rows(at->pixels + row * at->stride + column, at->plane, at->stride, begin, end, &w, y, sum);
+  if (y->begin >= y->end || !column_weights(t, cell, x, j, &w)) return;
+  add_rows(at->pixels + row * at->stride + column, at->plane, at->stride, y->begin, y->end, &w, y, sum);
 }
 
 INLINE void add_to(double8* sum, const float16* part, double sign) {
@@ -230,7 +250,7 @@ INLINE void add_cell_row(const ClosedFormGeometry* geometry, const ClosedFormTil
     RowMoments row_moments_of[SUBTILES];
     for (int j = 0; j < SUBTILES; ++j) {
       const Moments m = moments(&t->y, y.low + block_y, j);
-      row_moments_of[j] = row_moments(&m);
+      row_moments_of[j] = row_moments(&m, shown_by(&t->y, &y, j), block_y);
     }
     for (int m = first; m < last; ++m) {
       const ClosedFormCell cell = cells[m];
@@ -257,7 +277,7 @@ INLINE void add_cell_row(const ClosedFormGeometry* geometry, const ClosedFormTil
         else
           for (int i = 0; i < SUBTILES; ++i) made[i] = moments(&t->x, x.low + block_x, i);
         for (int j = 0; j < SUBTILES; ++j)
-          add_subtile_row(t, &of, of_columns, block_x, &y, row_moments_of + j, j, block_y, &at, part);
+          add_subtile_row(t, &of, of_columns, block_x, row_moments_of + j, j, block_y, &at, part);
       }
       add_to(sum, part, cell.sign);
     }
@@ -325,14 +345,16 @@ __kernel void tile_lobes(const ClosedFormTiles tiles, __global const ClosedFormR
   __global float* out = corners + (size_t)(item / rows) * LOBES * rows * columns + row * columns;
   const float3 n = (float3)(r.n_x, r.n_y, r.n_z);
   const float y = (float)(at.y + row * at.w / DIVISION - r.p_y), z = (float)-r.p_z;
-  for (int column = 0; column < columns; ++column) {
-    const float x = (float)(at.x + column * at.z / DIVISION - r.p_x);
-    const float3 f = glossy_brdf(&lobe, n, normalize((float3)(x, y, z)));
-    out[column] = f.x;
-#if LOBES == 3
-    out[columns * rows + column] = f.y;
-    out[2 * columns * rows + column] = f.z;
-#endif
+  for (int column = 0; column < columns; column += 16) {
+    const float16 x = convert_float16(at.x + (column + LANES_D) * at.z / DIVISION - r.p_x);
+    float16 grey, grazing;
+    glossy_brdf_16(&lobe, n, x, y, z, &grey, &grazing);
+    const float colour[3] = {lobe.r, lobe.g, lobe.b};
+    for (int c = 0; c < LOBES; ++c) {
+      float values[16];
+      vstore16(colour[c] * grey + (1 - colour[c]) * grazing, 0, values);
+      for (int i = 0; i < min(16, columns - column); ++i) out[c * columns * rows + column + i] = values[i];
+    }
   }
 }
 #endif

@@ -38,14 +38,13 @@ TEST(OpenClDevice, StructsAreLaidOutAsOnTheHost) {
   kernel->set(0, *buffer);
   ASSERT_TRUE((*device)->run(*kernel, 1, 1));
   ASSERT_TRUE((*device)->read(*buffer, std::as_writable_bytes(std::span(layout))));
-  EXPECT_EQ(layout,
-            (std::vector<int>{sizeof(ClosedFormGeometry), offsetof(ClosedFormGeometry, corner_x),
-                              offsetof(ClosedFormGeometry, levels), offsetof(ClosedFormGeometry, cells),
-                              sizeof(ClosedFormReceiver), offsetof(ClosedFormReceiver, n_z), sizeof(ClosedFormCell),
-                              offsetof(ClosedFormCell, sign), offsetof(ClosedFormCell, image), sizeof(ClosedFormLevel),
-                              offsetof(ClosedFormLevel, offset), offsetof(ClosedFormCell, column),
-                              sizeof(ClosedFormGrid), offsetof(ClosedFormGrid, rows), sizeof(ClosedFormTiles),
-                              offsetof(ClosedFormTiles, first)}));
+  EXPECT_EQ(layout, (std::vector<int>{
+                        sizeof(ClosedFormGeometry), offsetof(ClosedFormGeometry, corner_x),
+                        offsetof(ClosedFormGeometry, levels), offsetof(ClosedFormGeometry, cells),
+                        sizeof(ClosedFormReceiver), offsetof(ClosedFormReceiver, n_z), sizeof(ClosedFormCell),
+                        offsetof(ClosedFormCell, sign), offsetof(ClosedFormCell, image), sizeof(ClosedFormLevel),
+                        offsetof(ClosedFormLevel, offset), offsetof(ClosedFormCell, column), sizeof(ClosedFormGrid),
+                        offsetof(ClosedFormGrid, rows), sizeof(ClosedFormTiles), offsetof(ClosedFormTiles, first)}));
 }
 
 TEST(OpenClDevice, AnArgumentThatCannotBeSetIsAnErrorUntilItIs) {
