@@ -344,11 +344,13 @@ __kernel void tile_lobes(const ClosedFormTiles tiles, __global const ClosedFormR
   const GlossLobe lobe = lobes[id];
   __global float* out = corners + (size_t)(item / rows) * LOBES * rows * columns + row * columns;
   const float3 n = (float3)(r.n_x, r.n_y, r.n_z);
-  const float y = (float)(at.y + row * at.w / DIVISION - r.p_y), z = (float)-r.p_z;
+  const float no = towards_eye(&lobe, r.n_x, r.n_y, r.n_z);
+  const double y = at.y + row * at.w / DIVISION - r.p_y, facing = r.n_y * y - r.n_z * r.p_z;
   for (int column = 0; column < columns; column += 16) {
-    const float16 x = convert_float16(at.x + (column + LANES_D) * at.z / DIVISION - r.p_x);
+    const double16 x = at.x + (column + LANES_D) * at.z / DIVISION - r.p_x;
     float16 grey, grazing;
-    glossy_brdf_16(&lobe, n, x, y, z, &grey, &grazing);
+    glossy_brdf_16(&lobe, n, no, convert_float16(x), (float)y, (float)-r.p_z, convert_float16(r.n_x * x + facing), &grey,
+                   &grazing);
     const float colour[3] = {lobe.r, lobe.g, lobe.b};
     for (int c = 0; c < LOBES; ++c) {
       float values[16];

@@ -52,7 +52,8 @@ __kernel void far_field(const SamplingGeometry geometry, __global const Sampling
   const GlossLobe lobe = lobes[id];
   if (lobe.kind != LOBE_NONE) {
     const float3 to_light = (float3)((float)-p.x, (float)-p.y, (float)-at.p_z);
-    const float3 shines = glossy_brdf(&lobe, (float3)((float)at.n_x, (float)at.n_y, (float)at.n_z), to_light);
+    const float3 shines = glossy_brdf(&lobe, (float3)((float)at.n_x, (float)at.n_y, (float)at.n_z),
+                                      towards_eye(&lobe, at.n_x, at.n_y, at.n_z), to_light, (float)facing);
     const float f[3] = {shines.x, shines.y, shines.z};
     for (int c = 0; c < GLOSSES; ++c) sum[CHANNELS + c] = f[LOBES == 1 ? 0 : c] * values[CHANNELS == 1 ? 0 : c];
   }

@@ -7,7 +7,7 @@
 namespace lumifield {
 
 std::array<double, 3> glossy_brdf(const GlossLobe& l, const Vec3& n, const Vec3& i) {
-  const Vec3 o(l.eye_x, l.eye_y, l.eye_z);
+  const Vec3 o = Vec3(l.eye_x, l.eye_y, l.eye_z).normalized();  // as float it is not quite of unit length
   const double ni = n.dot(i), no = n.dot(o), shape = l.shape;
   if (!(ni > 0 && no > 0) || l.kind == LOBE_NONE) return {0, 0, 0};
   if (l.kind == LOBE_PHONG) {

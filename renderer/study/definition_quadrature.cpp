@@ -45,7 +45,7 @@ std::vector<Real> knots(BasisKind kind) {
     case BasisKind::tent:
       return {-1, 0, 1};
     case BasisKind::bell:
-      return {-1, -0.5L, 0.5L, 1};
+      return {-1, -0.5L, 0, 0.5L, 1};
     case BasisKind::bspline2:
       return {-1.5L, -0.5L, 0.5L, 1.5L};
   }
@@ -116,7 +116,7 @@ struct Sums {
 };
 
 void add_cell(const LuminaireGeometry& geometry, CellIndex index, const CellImage& image, const Vec3& p_mm,
-              const Vec3& n, Sums& sums) {
+              const Vec3& n, const PointFactor& factor, Sums& sums) {
   const Sampling& s = geometry.sampling;
   const Measurement& m = geometry.measurement;
   const Real delta = geometry.planes.separation_mm, beyond = Real(p_mm.z()) - delta;
@@ -135,7 +135,8 @@ void add_cell(const LuminaireGeometry& geometry, CellIndex index, const CellImag
   const auto integrand = [&](Real ux, Real uy) {
     const Real distance = std::hypot(ux - x.p, uy - y.p, delta + beyond), cosine = (delta + beyond) / distance;
     const Real basis = phi(s.basis, (ux - x.u) / x.spacing) * phi(s.basis, (uy - y.u) / y.spacing);
-    return basis * delta * delta / (cosine * cosine * cosine * cosine) * cosine * facing(ux, uy) /
+    const Real by = factor ? factor(index, {static_cast<double>(ux), static_cast<double>(uy)}) : 1;
+    return by * basis * delta * delta / (cosine * cosine * cosine * cosine) * cosine * facing(ux, uy) /
            (distance * distance * distance);
   };
   const auto across = intervals(x, s.basis), down = intervals(y, s.basis);
@@ -152,13 +153,14 @@ void add_cell(const LuminaireGeometry& geometry, CellIndex index, const CellImag
 
 }  // namespace
 
-DefinitionValue definition_quadrature(const LightField& light_field, const Vec3& p_mm, const Vec3& n) {
+DefinitionValue definition_quadrature(const LightField& light_field, const Vec3& p_mm, const Vec3& n,
+                                      const PointFactor& factor) {
   const LuminaireGeometry& geometry = light_field.geometry();
   Sums sums{std::vector<Real>(geometry.channels.size(), 0), std::vector<Real>(geometry.channels.size(), 0)};
   if (p_mm.z() > 0)
     for (int flat = 0; flat < geometry.sampling.cells(); ++flat)
       if (const auto image = light_field.cell(geometry.sampling.index(flat)))
-        add_cell(geometry, geometry.sampling.index(flat), *image, p_mm, n, sums);
+        add_cell(geometry, geometry.sampling.index(flat), *image, p_mm, n, factor, sums);
   return {{sums.value.begin(), sums.value.end()}, {sums.magnitude.begin(), sums.magnitude.end()}};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "luminaire/light_field.h"
@@ -19,6 +20,11 @@ struct DefinitionValue {
   std::vector<double> magnitude;   ///< the same with |C_m|: what an error is measured against
 };
 
-DefinitionValue definition_quadrature(const LightField& light_field, const Vec3& p_mm, const Vec3& n);
+/// What light from a point of U counts with: what is seen of it, or a lobe. Smooth on each part of U between two knots,
+/// and on each half of a middle one, which are the tiles.
+using PointFactor = std::function<double(CellIndex cell, const Vec2& u_mm)>;
+
+DefinitionValue definition_quadrature(const LightField& light_field, const Vec3& p_mm, const Vec3& n,
+                                      const PointFactor& factor = {});
 
 }  // namespace lumifield

@@ -32,7 +32,9 @@ std::vector<StabilityRow> try_case(const StabilityCase& each) {
 
 Result<std::vector<StabilityRow>> stability_table(const StudyProgress& progress) {
   std::vector<StabilityRow> rows;
-  const std::vector<StabilityCase> cases = stability_cases();
+  std::vector<StabilityCase> cases;
+  for (const StabilityLook look : {StabilityLook::plain, StabilityLook::half_shadow, StabilityLook::glossy})
+    for (StabilityCase& each : stability_cases()) cases.push_back(with_look(std::move(each), look));
   for (std::size_t k = 0; k < cases.size(); ++k) {
     if (!progress(static_cast<double>(k) / static_cast<double>(cases.size()), "stability: " + cases[k].name))
       return study_stopped();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "renderer/methods/appearance.h"
 #include "renderer/study/study_bench.h"
 
 namespace lumifield {
@@ -12,7 +13,14 @@ struct StabilityCase {
   std::vector<Receiver> receivers;
   double samples = 200;  ///< K; lights are ten times as many
   double lod = 0;        ///< of the closed form
+  Appearance appearance{};
 };
+
+/// What receivers look like beside diffuse and unoccluded: half of the tiles seen, in a pattern that has no symmetry;
+/// and a GGX lobe (roughness 0.3) that mirrors the middle of the grid, in such a half-shadow.
+enum class StabilityLook { plain, half_shadow, glossy };
+/// The case with its receivers looking so, its name telling.
+StabilityCase with_look(StabilityCase each, StabilityLook look);
 
 /// p on S (Δ = ±0, ±1e-9, ±1e-4), on pixel edges there; between the planes; near U and behind it; 10⁵ mm away; n
 /// flipped; cut horizons; supports partly or wholly off the images; S not centred over U; one pixel 10⁶ above the rest;

@@ -171,4 +171,29 @@ std::vector<StabilityCase> stability_cases() {
   return cases;
 }
 
+StabilityCase with_look(StabilityCase each, StabilityLook look) {
+  if (look == StabilityLook::plain) return each;
+  each.name += look == StabilityLook::half_shadow ? ", in half-shadow" : ", glossy in half-shadow";
+  TileVisibility& visible = each.appearance.visible;
+  visible = {TileGrid(each.geometry.sampling), ShadowWeighing::tile, {}};
+  visible.words.assign(each.receivers.size() * visible.receiver_words(), 0);
+  for (std::size_t k = 0; k < each.receivers.size(); ++k)
+    for (int row = 0; row < visible.grid.rows; ++row)
+      for (int column = 0; column < visible.grid.columns; ++column)
+        if ((2 * column + 3 * row + static_cast<int>(k)) % 5 < 3 - (column + row) % 2)
+          visible.words[k * visible.receiver_words() + static_cast<std::size_t>(row) * visible.row_words() +
+                        static_cast<std::size_t>(column / 32)] |= 1U << (column % 32);
+  if (look == StabilityLook::half_shadow) return each;
+  constexpr float roughness = 0.3F;
+  const Vec2 center = each.geometry.sampling.center_mm;
+  for (const Receiver& r : each.receivers) {
+    const Vec3 to_light = (Vec3(center.x(), center.y(), 0) - r.p_mm).normalized();
+    const Vec3 eye = 2 * r.n.dot(to_light) * r.n - to_light;
+    each.appearance.gloss.push_back({static_cast<float>(eye.x()), static_cast<float>(eye.y()),
+                                     static_cast<float>(eye.z()), roughness * roughness, 0.04F, 0.04F, 0.04F,
+                                     LOBE_GGX});
+  }
+  return each;
+}
+
 }  // namespace lumifield

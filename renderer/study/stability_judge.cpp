@@ -42,7 +42,7 @@ double host_rounding(const StabilityCase& each, const StabilityTruth& truth, std
 /// Of weights in float. τ rounds in two steps of the support's width, 8 half steps of 2⁻²⁴ at most, and ∫|φ′| = 2 ∫φ:
 /// 16 an axis of two; as many operations once more. A sampler's runs scatter about the light.
 double kernel_rounding(const StabilityTruth& truth, std::size_t k, double host) {
-  return 0x1p-24 * (64 * std::max(truth.light[k], std::abs(host)) + 4 * truth.terms[k]);
+  return 0x1p-24 * (64 * std::max(truth.light[k], std::abs(host)) + 4 * truth.terms[k] + 64 * truth.lobe[k]);
 }
 
 /// Runs in which rounding may move a draw across a pixel's edge: as many as chance passes once in 10⁵. A cdf in float
@@ -75,7 +75,8 @@ bool finite(const StabilityAnswers& answers) {
 /// Of what one run states, what the mean over seeds may be off by beyond rounding. A stated bias stays in the mean, so
 /// it is never less than one run's.
 double allowed(Method method, const StabilityCase& each, std::size_t seeds) {
-  if (method == Method::reference || (method == Method::closed_form && each.lod == 0)) return 0;
+  const bool exact = method == Method::reference || (method == Method::closed_form && each.lod == 0);
+  if (exact && each.appearance.gloss.empty()) return 0;
   return is_sampler(method) ? std::max(1.0, sigmas / std::sqrt(static_cast<double>(seeds))) : 1;
 }
 
@@ -83,7 +84,7 @@ double allowed(Method method, const StabilityCase& each, std::size_t seeds) {
 std::string judge_host(Method method, const StabilityCase& each, const StabilityTruth& truth,
                        const StabilityAnswers& answers, double& worst) {
   const std::size_t seeds = answers.host.size();
-  for (std::size_t k = 0; k < each.receivers.size(); ++k) {
+  for (std::size_t k = 0; k < truth.irradiance.size(); ++k) {
     double mean = 0;
     for (const auto& run : answers.host) mean += run[k].irradiance[0] / static_cast<double>(seeds);
     const double off = std::abs(mean - truth.irradiance[k]), share = share_of(off, truth.light[k]);
@@ -98,7 +99,7 @@ std::string judge_kernel(Method method, const StabilityCase& each, const Stabili
                          const StabilityAnswers& answers, double& worst) {
   int strays = 0;
   for (std::size_t seed = 0; seed < answers.kernel.size(); ++seed)
-    for (std::size_t k = 0; k < each.receivers.size(); ++k) {
+    for (std::size_t k = 0; k < truth.irradiance.size(); ++k) {
       const Estimate& host = answers.host[seed][k];
       const double e = answers.kernel[seed][k], off = std::abs(e - host.irradiance[0]);
       // One run of a sampler says less than the mean.

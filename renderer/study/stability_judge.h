@@ -6,20 +6,22 @@
 namespace lumifield {
 
 /// What the receivers of a case get, by quadrature of the definition (definition_quadrature.h), which shares nothing
-/// with the methods. By receiver, of the one channel.
+/// with the methods. By value: the irradiance of each receiver, of the one channel, then its radiance by gloss, where
+/// the case has lobes.
 struct StabilityTruth {
-  std::vector<double> irradiance;  ///< E
-  std::vector<double> light;       ///< Σ_m ∫|C_m Φ_m| max(0, n·(u−p)), what errors are shares of
+  std::vector<double> irradiance;  ///< E, or the radiance
+  std::vector<double> light;       ///< Σ_m ∫|C_m Φ_m| max(0, n·(u−p)), with the lobe: what errors are shares of
   /// The same of |n_x (u−p)_x| + |n_y (u−p)_y| + |n_z p_z|, which n·(u−p) rounds with: much more than the light near U
   /// and at grazing angles. A bound: the largest of all supports.
   std::vector<double> terms;
+  std::vector<double> lobe;  ///< of gloss: the light times the lobe's peak, what a lobe in float rounds with; else 0
 };
 StabilityTruth stability_truth(const StabilityCase& each, const LightField& light_field);
 
 /// What both forms of a method say of a case. A form that refuses says why, and nothing else.
 struct StabilityAnswers {
-  std::vector<std::vector<Estimate>> host;  ///< by seed, by receiver
-  std::vector<std::vector<double>> kernel;  ///< E of the first seeds, by receiver
+  std::vector<std::vector<Estimate>> host;  ///< by seed, by value
+  std::vector<std::vector<double>> kernel;  ///< of the first seeds, by value
   std::string host_refuses, kernel_refuses;
 };
 StabilityAnswers stability_answers(Method method, const StabilityCase& each, const LightField& light_field);
