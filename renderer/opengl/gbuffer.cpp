@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "renderer/opengl/gbuffer_shaders.h"
+#include "renderer/opengl/gl_objects.h"
 
 namespace lumifield {
 namespace {
@@ -38,67 +39,7 @@ Result<View> view_of(const SceneCamera& camera, int width_px, int height_px) {
   return view;
 }
 
-Status gl_status(const std::string& what) {
-  const GLenum error = glGetError();
-  if (error == GL_NO_ERROR) return {};
-  while (glGetError() != GL_NO_ERROR) {
-  }
-  if (error == GL_OUT_OF_MEMORY)
-    return fail(what + ": the graphics device is out of memory", "OpenGL", "use a smaller picture or mesh");
-  return fail(what + ": OpenGL error " + std::to_string(error), "OpenGL", "update the graphics driver");
-}
-
-Result<GLuint> compile_program() {
-  const std::array<std::pair<GLenum, const char*>, 3> stages = {{{GL_VERTEX_SHADER, gbuffer_shaders::vertex},
-                                                                 {GL_GEOMETRY_SHADER, gbuffer_shaders::geometry},
-                                                                 {GL_FRAGMENT_SHADER, gbuffer_shaders::fragment}}};
-  const GLuint program = glCreateProgram();
-  std::array<char, 2048> log{};
-  for (const auto& [stage, source] : stages) {
-    const GLuint shader = glCreateShader(stage);
-    glShaderSource(shader, 1, &source, nullptr);
-    glCompileShader(shader);
-    GLint compiled = 0;
-    glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-    if (!compiled && log[0] == 0) glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
-    glAttachShader(program, shader);
-    glDeleteShader(shader);
-  }
-  glLinkProgram(program);
-  GLint linked = 0;
-  glGetProgramiv(program, GL_LINK_STATUS, &linked);
-  if (linked) return program;
-  if (log[0] == 0) glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
-  glDeleteProgram(program);
-  return fail("the driver refuses the G-buffer's shaders: " + std::string(log.data()), "OpenGL",
-              "update the graphics driver");
-}
-
-/// Framebuffer with the two colour images and depth.
-struct Target {
-  GLuint framebuffer = 0;
-  std::array<GLuint, 3> image{};
-
-  Target(int width_px, int height_px) {
-    constexpr std::array<GLenum, 3> format = {GL_RGBA32F, GL_RGBA32F, GL_DEPTH_COMPONENT32F};
-    constexpr std::array<GLenum, 3> attachment = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_DEPTH_ATTACHMENT};
-    glGenFramebuffers(1, &framebuffer);
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    glGenRenderbuffers(3, image.data());
-    for (std::size_t i = 0; i < 3; ++i) {
-      glBindRenderbuffer(GL_RENDERBUFFER, image[i]);
-      glRenderbufferStorage(GL_RENDERBUFFER, format[i], width_px, height_px);
-      glFramebufferRenderbuffer(GL_FRAMEBUFFER, attachment[i], GL_RENDERBUFFER, image[i]);
-    }
-    glDrawBuffers(2, attachment.data());
-  }
-  Target(const Target&) = delete;
-  Target& operator=(const Target&) = delete;
-  ~Target() {
-    glDeleteFramebuffers(1, &framebuffer);
-    glDeleteRenderbuffers(3, image.data());
-  }
-};
+constexpr ShaderTexts shaders = {gbuffer_shaders::vertex, gbuffer_shaders::geometry, gbuffer_shaders::fragment};
 
 }  // namespace
 
@@ -179,7 +120,7 @@ GBufferPass::~GBufferPass() = default;
 Result<std::unique_ptr<GBufferPass>> GBufferPass::create(EglContext& context, const Mesh& mesh) {
   if (const Status current = context.make_current(); !current) return tl::unexpected(current.error());
   auto impl = std::make_unique<Impl>(context);
-  const Result<GLuint> program = compile_program();
+  const Result<unsigned> program = compile_program("the G-buffer", shaders);
   if (!program) return tl::unexpected(program.error());
   impl->program = *program;
   if (const Status uploaded = impl->upload(mesh); !uploaded) return tl::unexpected(uploaded.error());
@@ -200,15 +141,15 @@ Result<GBuffer> GBufferPass::draw(const SceneCamera& camera, int width_px, int h
   if (!view) return tl::unexpected(view.error());
 
   // Draw each material's triangles.
-  const Target target(width_px, height_px);
-  if (const Status made = gl_status("G-buffer"); !made) return tl::unexpected(made.error());
-  if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    return fail("no framebuffer of two RGBA32F images and depth", "OpenGL", "use a smaller picture or another driver");
+  constexpr std::array<unsigned, 2> formats = {GL_RGBA32F, GL_RGBA32F};
+  const auto target = RenderTarget::create("the G-buffer", width_px, height_px, formats, true);
+  if (!target) return tl::unexpected(target.error());
   glViewport(0, 0, width_px, height_px);
   constexpr std::array<float, 4> nothing{}, farthest = {1};
   glClearBufferfv(GL_COLOR, 0, nothing.data());
   glClearBufferfv(GL_COLOR, 1, nothing.data());
   glClearBufferfv(GL_DEPTH, 0, farthest.data());
+  glDisable(GL_BLEND);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
   glUseProgram(impl_->program);

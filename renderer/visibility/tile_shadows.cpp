@@ -1,0 +1,179 @@
+#include "renderer/visibility/tile_shadows.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "renderer/opencl/device.h"
+#include "renderer/visibility/shadow_map_pass.h"
+#include "renderer/visibility/tile_visibility_shared.h"
+
+namespace lumifield {
+namespace {
+
+constexpr std::size_t work_group = 64;
+/// Receivers of a work-item on a processor.
+constexpr std::size_t cpu_width = 8;
+
+ShadowTileMap map_of(const ShadowView& view, std::size_t number, int map_px) {
+  const Vec2 step = (view.high - view.low) / map_px;
+  const auto f = [](double x) { return static_cast<float>(x); };
+  const std::size_t texels = static_cast<std::size_t>(map_px) * static_cast<std::size_t>(map_px);
+  return {f(view.eye_mm.x()), f(view.eye_mm.y()), f(view.low.x()),
+          f(view.low.y()),    f(step.x()),        f(step.y()),
+          f(1 / step.x()),    f(1 / step.y()),    static_cast<int>(number * texels)};
+}
+
+std::vector<ShadowTileMap> maps_of(const ShadowPlan& plan, int map_px) {
+  ShadowTileMap none{};
+  none.first = -1;
+  std::vector<ShadowTileMap> maps;
+  for (const std::vector<int>& set : plan.maps_of)
+    for (const int view : set) {
+      const auto number = static_cast<std::size_t>(view);
+      maps.push_back(view < 0 ? none : map_of(plan.views[number], number, map_px));
+    }
+  return maps;
+}
+
+}  // namespace
+
+struct TileShadows::Impl {
+  std::unique_ptr<ShadowMapPass> pass;
+  std::unique_ptr<OpenClDevice> device;
+  DeviceKernel kernel;
+  std::size_t width = 1;  ///< receivers of a work-item
+  DeviceBuffer maps, depths, positions, faces, words;
+
+  std::optional<ShadowPlan> plan;  ///< of the maps that there are, with the pose and settings
+  Pose pose;
+  ShadowSettings settings;
+  int times_made = 0;
+  double last_kernel_s = 0;
+
+  Status room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose);
+  Status fill(DeviceBuffer& buffer, std::span<const std::byte> data, std::string_view purpose);
+  Status make(const ShadowPlan& wanted);
+  ShadowTiles shared(std::size_t receivers) const;
+};
+
+/// Kept when it is large enough, and not far too large.
+Status TileShadows::Impl::room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose) {
+  if (buffer.bytes() >= bytes && buffer.bytes() / 4 <= bytes) return {};
+  buffer = {};
+  auto made = device->allocate(bytes, purpose);
+  if (!made) return tl::unexpected(made.error());
+  buffer = *made;
+  return {};
+}
+
+Status TileShadows::Impl::fill(DeviceBuffer& buffer, std::span<const std::byte> data, std::string_view purpose) {
+  if (const Status there = room(buffer, data.size(), purpose); !there) return there;
+  return device->write(buffer, 0, data);
+}
+
+Status TileShadows::Impl::make(const ShadowPlan& wanted) {
+  const Result<ShadowMaps> drawn = pass->draw(pose, wanted.views, settings.map_px);
+  if (!drawn) return tl::unexpected(drawn.error());
+  if (const Status done = fill(depths, std::as_bytes(std::span(drawn->depth_mm)), "shadow maps"); !done) return done;
+  const std::vector<ShadowTileMap> list = maps_of(wanted, settings.map_px);
+  return fill(maps, std::as_bytes(std::span(list)), "the list of shadow maps");
+}
+
+ShadowTiles TileShadows::Impl::shared(std::size_t receivers) const {
+  return {.columns = plan->grid.columns,
+          .rows = plan->grid.rows,
+          .block = plan->block,
+          .block_columns = plan->columns,
+          .block_rows = plan->rows,
+          .row_words = (plan->grid.columns + 31) / 32,
+          .map_px = settings.map_px,
+          .published = settings.position == ShadowPosition::published,
+          .receivers = static_cast<int>(receivers),
+          .separation = static_cast<float>(plan->separation_mm),
+          .kept = static_cast<float>(1 - settings.depth_bias)};
+}
+
+TileShadows::TileShadows(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+TileShadows::~TileShadows() = default;
+int TileShadows::maps() const { return impl_->plan ? static_cast<int>(impl_->plan->views.size()) : 0; }
+int TileShadows::times_made() const { return impl_->times_made; }
+double TileShadows::last_kernel_s() const { return impl_->last_kernel_s; }
+std::string TileShadows::device_name() const { return impl_->device->name(); }
+
+Result<std::unique_ptr<TileShadows>> TileShadows::create(EglContext& context, const Mesh& mesh) {
+  auto impl = std::make_unique<Impl>();
+  auto device = OpenClDevice::create();
+  if (!device) return tl::unexpected(device.error());
+  impl->device = std::move(*device);
+  impl->width = impl->device->is_cpu() ? cpu_width : 1;
+  auto kernel = impl->device->build("tile_visibility", "-DRECEIVERS=" + std::to_string(impl->width), "tile_visibility");
+  if (!kernel) return tl::unexpected(kernel.error());
+  impl->kernel = *kernel;
+  auto pass = ShadowMapPass::create(context, mesh);
+  if (!pass) return tl::unexpected(pass.error());
+  impl->pass = std::move(*pass);
+  return std::unique_ptr<TileShadows>(new TileShadows(std::move(impl)));
+}
+
+Status TileShadows::set(const Pose& pose, const LuminaireGeometry& geometry, const ShadowSettings& settings,
+                        const std::optional<TilePositions>& positions) {
+  const std::optional<ShadowPlan> before = std::exchange(impl_->plan, std::nullopt);
+  Result<ShadowPlan> plan = plan_shadows(geometry, settings, positions);
+  if (!plan) return tl::unexpected(plan.error());
+  const bool same = before == *plan && impl_->pose == pose && impl_->settings.map_px == settings.map_px;
+  impl_->pose = pose;
+  impl_->settings = settings;
+  if (!same) {
+    if (const Status made = impl_->make(*plan); !made) return made;
+    ++impl_->times_made;
+  }
+  impl_->plan = std::move(*plan);
+  return {};
+}
+
+Result<TileVisibility> TileShadows::see(std::span<const float> p_xyzw, std::span<const float> face_xyzw) {
+  if (!impl_->plan) return fail("no light is set", "shadows", "set it first");
+  if (p_xyzw.size() != face_xyzw.size() || p_xyzw.size() % 4 != 0)
+    return fail(
+        std::to_string(p_xyzw.size()) + " floats of positions and " + std::to_string(face_xyzw.size()) + " of faces",
+        "receivers", "give four of each to a receiver");
+  TileVisibility visibility{impl_->plan->grid, impl_->settings.weighing, {}};
+  const std::size_t receivers = p_xyzw.size() / 4,
+                    filled = (receivers + impl_->width - 1) / impl_->width * impl_->width;
+  const std::size_t receiver_bytes = visibility.receiver_words() * sizeof(std::uint32_t);
+  if (filled > max_visibility_bytes / receiver_bytes)
+    return fail(
+        std::to_string(receivers) + " receivers of " + std::to_string(visibility.grid.tiles()) + " tiles exceed 1 GiB",
+        "receivers", "render in parts");
+  if (receivers == 0) return visibility;
+
+  // Hand the receivers over. What fills the last work-item is whatever lies there, and is not read back.
+  const auto hand = [&](DeviceBuffer& buffer, std::span<const float> all, std::string_view purpose) -> Status {
+    if (const Status there = impl_->room(buffer, filled * 4 * sizeof(float), purpose); !there) return there;
+    return impl_->device->write(buffer, 0, std::as_bytes(all));
+  };
+  if (const Status done = hand(impl_->positions, p_xyzw, "receivers"); !done) return tl::unexpected(done.error());
+  if (const Status done = hand(impl_->faces, face_xyzw, "their faces"); !done) return tl::unexpected(done.error());
+  if (const Status done = impl_->room(impl_->words, filled * receiver_bytes, "visibility"); !done)
+    return tl::unexpected(done.error());
+
+  // Test them.
+  DeviceKernel& kernel = impl_->kernel;
+  kernel.set(0, impl_->shared(filled));
+  kernel.set(1, impl_->maps);
+  kernel.set(2, impl_->depths);
+  kernel.set(3, impl_->positions);
+  kernel.set(4, impl_->faces);
+  kernel.set(5, impl_->words);
+  const Result<double> ran = impl_->device->run(kernel, filled / impl_->width, work_group);
+  if (!ran) return tl::unexpected(ran.error());
+  impl_->last_kernel_s = *ran;
+  visibility.words.resize(receivers * visibility.receiver_words());
+  if (const Status read = impl_->device->read(impl_->words, std::as_writable_bytes(std::span(visibility.words))); !read)
+    return tl::unexpected(read.error());
+  return visibility;
+}
+
+}  // namespace lumifield
