@@ -20,7 +20,8 @@ struct Picture {
 };
 
 /// Exponential tone mapping: v = 1 − exp(−exposure · L / L̄), then sRGB's transfer curve; L̄ is the mean luminance
-/// (0.2126 R + 0.7152 G + 0.0722 B) of the pixels above 0 unless `white` gives it. Switches, named: nothing else is done to the values; negatives show as 0.
+/// (0.2126 R + 0.7152 G + 0.0722 B) of the pixels above 0 unless `white` gives it. Switches, named: nothing else is
+/// done to the values; negatives show as 0.
 struct ToneCurve {
   double exposure = 1;
   double white = 0;  ///< L̄ to use; 0 = the picture's own average

@@ -14,8 +14,6 @@
 namespace lumifield {
 namespace {
 
-constexpr const char* left_out = "shadows, and all reflection but the diffuse";
-
 Status check_placements(const std::vector<ScenePlacement>& placements) {
   if (placements.empty())
     return fail("no luminaire is placed in the scene", "luminaires", "add one with its pose to the scene file");
@@ -47,8 +45,9 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
 
   auto impl = std::make_unique<Impl>();
   impl->info = {(*context)->description(), *opencl, std::move(mesh->notes)};
-  impl->info.notes.push_back(std::string("left out: ") + left_out);
+  impl->info.notes.push_back("left out: " + left_out(impl->visibility));
   if (scene.environment) impl->info.notes.emplace_back("left out: the environment");
+  impl->shadows = std::make_unique<SceneShadows>(**context, *mesh);
   impl->context = std::move(*context);
   impl->pass = std::move(*pass);
   impl->materials = std::move(mesh->materials);
@@ -106,6 +105,22 @@ Status Renderer::set_placements(const std::vector<ScenePlacement>& placements) {
   return {};
 }
 
+Status Renderer::set_visibility(Visibility visibility) {
+  if (visibility == impl_->visibility) return {};
+  impl_->visibility = visibility;
+  impl_->clear();
+  return {};
+}
+
+Visibility Renderer::visibility() const { return impl_->visibility; }
+
+void Renderer::refresh_shadows() {
+  impl_->shadows->forget_positions();
+  impl_->clear();
+}
+
+int Renderer::shadow_maps_made() const { return impl_->shadows->times_made(); }
+
 Status Renderer::hand_over() { return impl_->hand_over(); }
 
 Status Renderer::keep_cell(CellIndex cell, std::shared_ptr<const CellImage> image) {
@@ -158,10 +173,13 @@ Result<Picture> Renderer::picture() {
 Result<Picture> Renderer::picture_so_far() {
   if (const Status handed = impl_->hand_over(); !handed) return tl::unexpected(handed.error());
   if (impl_->device)
-    if (const Status read = impl_->device->read(impl_->irradiance); !read) return tl::unexpected(read.error());
+    if (const Status read =
+            impl_->device->read(impl_->irradiance).and_then([&] { return impl_->device->read_gloss(impl_->gloss); });
+        !read)
+      return tl::unexpected(read.error());
   const std::size_t pixels = impl_->gbuffer.position.size() / 4;
   Picture picture{impl_->gbuffer.width_px, impl_->gbuffer.height_px, std::vector<float>(3 * pixels),
-                  std::vector<float>(pixels), left_out};
+                  std::vector<float>(pixels), left_out(impl_->visibility)};
   shade(impl_->gbuffer, impl_->materials, impl_->placements, impl_->irradiance, impl_->geometry->channels.size(),
         picture);
   return picture;

@@ -9,6 +9,7 @@
 #include "luminaire/scene.h"
 #include "renderer/methods/method.h"
 #include "renderer/picture.h"
+#include "renderer/visibility/visibility.h"
 
 namespace lumifield {
 
@@ -20,7 +21,7 @@ struct RendererInfo {
 
 /// The live picture: a scene lit by the part of a luminaire that is measured. Thread-bound to the render thread, which
 /// owns its EGL context and OpenCL queue for life. OpenGL makes the G-buffer once per view or scene; OpenCL adds cells
-/// to the running sum of irradiance, or computes it by another method. Diffuse and unshadowed.
+/// to the running sum of irradiance, or computes it by another method.
 ///
 /// A cell is kept, then summed; kept ones wait after a change of view, and picture() sums what waits. Who must not be
 /// held up hands a view over, sums in slices (sum_some) and asks for a picture when none waits.
@@ -40,6 +41,15 @@ class Renderer {
   Status set_view(const SceneCamera& camera, int width_px, int height_px, double lod = 0);
   /// Moves the luminaires of the scene, or takes others; all cells wait. Errors: those of create; then all stays.
   Status set_placements(const std::vector<ScenePlacement>& placements);
+  /// Another way to tell what casts shadows, each tile's own until then; all cells wait. Shadow maps are kept until a
+  /// luminaire moves; a view with a level of detail has coarse ones where they are to be made.
+  Status set_visibility(Visibility visibility);
+  Visibility visibility() const;
+  /// Published shadows stand where the first cells of each tile had their light: from now on where all have it. All
+  /// cells wait.
+  void refresh_shadows();
+  /// How often shadow maps have been made.
+  int shadow_maps_made() const;
   /// Another way to compute the irradiance, the closed form until then; all cells wait. Of methods other than that the
   /// cells share samples or tables: a cell that comes has all of them wait, and they are computed together, in pieces
   /// of receivers. Errors: settings outside their range, a method that this device or luminaire cannot take; then all

@@ -9,6 +9,8 @@
 #include "renderer/opengl/gbuffer.h"
 #include "renderer/renderer.h"
 #include "renderer/scene/mesh.h"
+#include "renderer/shading.h"
+#include "renderer/visibility/scene_shadows.h"
 
 namespace lumifield {
 
@@ -18,6 +20,8 @@ struct Renderer::Impl {
   // The context outlives what draws with it.
   std::unique_ptr<EglContext> context;
   std::unique_ptr<GBufferPass> pass;
+  std::unique_ptr<SceneShadows> shadows;
+  Visibility visibility = Visibility::tile;
   std::vector<Material> materials;
   std::vector<ScenePlacement> placements;
   RendererInfo info;
@@ -34,6 +38,8 @@ struct Renderer::Impl {
   std::set<int> waiting;                                 ///< where cells and summed differ
   bool handed_over = false;                              ///< the device has the view's receivers
   double receiver_s = 0;                                 ///< of the last cells: time for a cell and receiver
+  std::size_t gloss_channels = 0;                        ///< of the receivers handed over
+  std::vector<double> gloss;                             ///< as irradiance
   std::vector<double> irradiance;  ///< of the closed form as read last, of the others of the last evaluation
 
   Status need_luminaire() const {
@@ -45,6 +51,8 @@ struct Renderer::Impl {
   }
   void clear();
   Status hand_over();
+  Status see(const Receivers& seen, Appearance& appearance);
+  Result<LightField> kept_cells() const;
   Status keep(CellIndex cell, std::shared_ptr<const CellImage> image);
   Status sum(const std::vector<int>& flats);
   Status sum(std::size_t count);

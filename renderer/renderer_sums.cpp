@@ -34,22 +34,35 @@ Status Renderer::Impl::hand_over() {
   if (const Status ready = need_luminaire(); !ready || handed_over) return ready;
   clear();
   const Receivers seen = receivers_of(gbuffer, placements);
+  Appearance appearance;
+  if (const Status there = see(seen, appearance); !there) return there;
+  gloss_channels = appearance.gloss_channels(geometry->channels.size());
+  gloss.assign(seen.p.size() / 4 * gloss_channels, 0.0);
   if (method) {
     irradiance.assign(seen.p.size() / 4 * geometry->channels.size(), 0.0);
-    const Status set = method->set_receivers(as_receivers(seen));
+    const Status set = method->set_receivers(as_receivers(seen), std::move(appearance));
     handed_over = set.has_value();
     return set;
   }
   if (const Status detailed = device->set_lod(lod); !detailed) return detailed;
-  const Status set = device->set_receivers(seen.p, seen.n);
+  const Status set = device->set_receivers(seen.p, seen.n, appearance);
   handed_over = set.has_value();
   return set;
+}
+
+/// What the receivers see of the luminaires, by their faces.
+Status Renderer::Impl::see(const Receivers& seen, Appearance& appearance) {
+  if (visibility == Visibility::none) return {};
+  const auto kept = kept_cells();
+  if (!kept) return tl::unexpected(kept.error());
+  return shadows->see(placements, *kept, visibility, lod > 0, seen.p, seen.n, appearance);
 }
 
 Status Renderer::Impl::keep(CellIndex cell, std::shared_ptr<const CellImage> image) {
   if (const Status ready = need_luminaire(); !ready) return ready;
   if (!image) return fail("comes without an image", "cell " + to_string(cell), "measure the cell again");
   if (const Status fits = check_cell(*geometry, cell, *image); !fits) return fits;
+  if (visibility == Visibility::published && shadows->gives_position(*geometry, cell)) handed_over = false;
   const int flat = geometry->sampling.flat(cell);
   cells[static_cast<std::size_t>(flat)] = std::move(image);
   if (method) {
@@ -134,12 +147,19 @@ Status Renderer::Impl::make_method() {
   return {};
 }
 
-Status Renderer::Impl::give_cells() {
+Result<LightField> Renderer::Impl::kept_cells() const {
   LightField kept(*geometry);
   for (std::size_t k = 0; k < cells.size(); ++k)
     if (cells[k])
-      if (const Status added = kept.add(geometry->sampling.index(static_cast<int>(k)), cells[k]); !added) return added;
-  const Status given = method->set_cells(kept);
+      if (const Status added = kept.add(geometry->sampling.index(static_cast<int>(k)), cells[k]); !added)
+        return tl::unexpected(added.error());
+  return kept;
+}
+
+Status Renderer::Impl::give_cells() {
+  const auto kept = kept_cells();
+  if (!kept) return tl::unexpected(kept.error());
+  const Status given = method->set_cells(*kept);
   method_has_cells = given.has_value();
   return given;
 }
@@ -157,6 +177,7 @@ Status Renderer::Impl::evaluate(double seconds) {
   }
   if (!*done) return {};
   if (const Status read = method->read(irradiance); !read) return read;
+  if (const Status read = method->read_gloss(gloss); !read) return read;
   receiver_s = method->kernel_s() / (static_cast<double>(waiting.size()) * std::max(receivers(), 1.0));
   summed = cells;
   waiting.clear();

@@ -29,6 +29,11 @@ Receivers receivers_of(const GBuffer& gbuffer, const std::vector<ScenePlacement>
   return receivers;
 }
 
+std::string left_out(Visibility visibility) {
+  const std::string indirect = "light from surface to surface";
+  return visibility == Visibility::none ? "shadows, and " + indirect : indirect;
+}
+
 void shade(const GBuffer& gbuffer, const std::vector<Material>& materials,
            const std::vector<ScenePlacement>& placements, std::span<const double> irradiance, std::size_t channels,
            Picture& picture) {

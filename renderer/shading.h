@@ -7,6 +7,7 @@
 #include "renderer/opengl/gbuffer.h"
 #include "renderer/picture.h"
 #include "renderer/scene/mesh.h"
+#include "renderer/visibility/visibility.h"
 
 namespace lumifield {
 
@@ -16,6 +17,9 @@ struct Receivers {
   std::vector<float> p, n;
 };
 Receivers receivers_of(const GBuffer& gbuffer, const std::vector<ScenePlacement>& placements);
+
+/// What a picture leaves out of the light, for people.
+std::string left_out(Visibility visibility);
 
 /// radiance = reflectance/π · Σ scale·E, with E of each placement's receivers in turn, `channels` (1 or 3) values each,
 /// taken as float. Fills rgb and coverage of a picture of the G-buffer's size.

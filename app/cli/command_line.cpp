@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "app/cli/commands.h"
+#include "renderer/visibility/visibility.h"
 
 namespace lumifield {
 
@@ -79,6 +80,12 @@ CLI::Validator method_name() {
   return CLI::IsMember(names);
 }
 
+CLI::Validator visibility_name() {
+  std::vector<std::string> names;
+  for (const VisibilityInfo& each : visibilities()) names.emplace_back(each.name);
+  return CLI::IsMember(names);
+}
+
 CLI::Validator dataset_folder() {
   const auto fault = [](const std::string& text) {
     std::error_code unknown;
@@ -109,6 +116,13 @@ std::string described_methods() {
     text += "\n" + std::string(each.name) + ": " + std::string(each.what);
     if (each.samples > 0) text += " (usual --samples: " + std::to_string(static_cast<int>(each.samples)) + ")";
   }
+  return text + "\n";
+}
+
+std::string described_visibilities() {
+  std::string text = "What casts shadows:";
+  for (const VisibilityInfo& each : visibilities())
+    text += "\n" + std::string(each.name) + ": " + std::string(each.what);
   return text + "\n";
 }
 
@@ -145,6 +159,7 @@ void add_render(CLI::App& app, RenderOptions& o) {
   render->add_option("--luminaire", o.luminaire, "Dataset folder")->required();
   render->add_option("--scene", o.scene, "Scene file")->required();
   add_method(*render, o);
+  render->add_option("--shadows", o.shadows, described_visibilities())->check(visibility_name())->capture_default_str();
   render->add_option("--size", o.size, "Picture size")->check(picture_size())->capture_default_str();
   render->add_option("--exposure", o.exposure, "Exposure of the tone curve (PNG)")
       ->check(positive())

@@ -27,7 +27,7 @@ struct ScanOptions {
 int run_scan(const ScanOptions& options);
 
 struct RenderOptions {
-  std::string luminaire, scene, method = "closed-form", size = "1024x768", out;
+  std::string luminaire, scene, method = "closed-form", shadows = "tile", size = "1024x768", out;
   double exposure = default_exposure, white = 0;
   double lod = 0;      ///< pixels per support and axis, 0 exact
   double samples = 0;  ///< K for each receiver, or lights in all; 0: the method's usual

@@ -32,7 +32,9 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   if (!renderer) return tl::unexpected(renderer.error());
   if (Status viewed = (*renderer)->set_view(scene->camera, size->first, size->second, options.lod); !viewed)
     return tl::unexpected(viewed.error());
+  const Visibility shadows = visibility_from_string(options.shadows).value_or(Visibility::tile);
   const auto start = std::chrono::steady_clock::now();
+  if (Status set = (*renderer)->set_visibility(shadows); !set) return tl::unexpected(set.error());
   if (Status set = (*renderer)->set_method(method_settings(options)); !set) return tl::unexpected(set.error());
   if (Status set = (*renderer)->set_luminaire(dataset->light_field.geometry()); !set)
     return tl::unexpected(set.error());
@@ -46,7 +48,8 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   const RendererInfo info = (*renderer)->info();
   nlohmann::ordered_json summary{{"out", options.out}};
   summary.update(method_summary(method_settings(options)));
-  summary.update(nlohmann::ordered_json{{"width_px", size->first},
+  summary.update(nlohmann::ordered_json{{"shadows", options.shadows},
+                                        {"width_px", size->first},
                                         {"height_px", size->second},
                                         {"cells", coverage.measured},
                                         {"cells_total", coverage.total},

@@ -114,6 +114,21 @@ void LivePreview::set_camera(const SceneCamera& camera, bool moving) {
   });
 }
 
+void LivePreview::set_placements(const std::vector<ScenePlacement>& placements, bool moving) {
+  impl_->command([&](PreviewCommands& commands) {
+    commands.placements = placements;
+    commands.moving = moving;
+  });
+}
+
+void LivePreview::set_visibility(Visibility visibility) {
+  impl_->command([&](PreviewCommands& commands) { commands.visibility = visibility; });
+}
+
+void LivePreview::refresh_shadows() {
+  impl_->command([&](PreviewCommands& commands) { commands.refresh_shadows = true; });
+}
+
 void LivePreview::set_size(int width_px, int height_px) {
   impl_->command([&](PreviewCommands& commands) { commands.size_px = {width_px, height_px}; });
 }

@@ -27,7 +27,9 @@ struct PreviewFrame {
   std::shared_ptr<const Picture> radiance;  ///< the values behind it
   PreviewLook look;
   SceneCamera camera;
-  MethodSettings method;        ///< that computed the irradiance
+  std::vector<ScenePlacement> placements;  ///< of the luminaire
+  MethodSettings method;                   ///< that computed the light
+  Visibility visibility = Visibility::tile;
   double scale_top = 0;         ///< luminance at the false-colour scale's end, dataset's unit
   double average = 0;           ///< L̄ that the tone curve took
   int cells = 0, total = 0;     ///< in the picture, and of the grid
@@ -86,11 +88,17 @@ class LivePreview {
   /// `failed`.
   void add(CellIndex cell, std::shared_ptr<const CellImage> image);
   void set_camera(const SceneCamera& camera, bool moving);
+  /// Moves the scene's luminaires, or takes others; until then those of the scene. Refused, those before stay.
+  void set_placements(const std::vector<ScenePlacement>& placements, bool moving);
   /// Size of the full picture, 1024x768 until then.
   void set_size(int width_px, int height_px);
   void set_look(const PreviewLook& look);
   /// How the irradiance is computed, by the closed form until then. A method that is refused leaves the one before.
   void set_method(const MethodSettings& method);
+  /// What casts shadows, each tile by itself until then.
+  void set_visibility(Visibility visibility);
+  /// Published shadows stand where the cells of now have their light.
+  void refresh_shadows();
   void set_scan_running(bool running);
 
  private:

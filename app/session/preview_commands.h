@@ -26,15 +26,18 @@ struct PreviewCommands {
   std::vector<Cell> cells;
   std::vector<CellIndex> refused;  ///< came before a luminaire
   std::optional<SceneCamera> camera;
+  std::optional<std::vector<ScenePlacement>> placements;
   std::optional<bool> moving;
   std::optional<std::pair<int, int>> size_px;
   std::optional<PreviewLook> look;
   std::optional<MethodSettings> method;
+  std::optional<Visibility> visibility;
+  bool refresh_shadows = false;
   std::optional<bool> scan_running;
 
   bool any() const {
-    return scene || luminaire || !cells.empty() || !refused.empty() || camera || moving || size_px || look || method ||
-           scan_running;
+    return scene || luminaire || !cells.empty() || !refused.empty() || camera || placements || moving || size_px ||
+           look || method || visibility || refresh_shadows || scan_running;
   }
 };
 

@@ -10,22 +10,32 @@ PreviewWorker::PreviewWorker(LivePreview::Callbacks callbacks, PreviewPace pace)
     : callbacks_(std::move(callbacks)), pace_(pace) {}
 
 bool PreviewWorker::same(const View& a, const View& b) {
-  return a.width_px == b.width_px && a.height_px == b.height_px && a.camera.position_mm == b.camera.position_mm &&
+  const auto alike = [](const ScenePlacement& p, const ScenePlacement& q) {
+    return p.pose == q.pose && p.scale == q.scale;
+  };
+  return std::ranges::equal(a.placements, b.placements, alike) && a.width_px == b.width_px &&
+         a.height_px == b.height_px && a.camera.position_mm == b.camera.position_mm &&
          a.camera.target_mm == b.camera.target_mm && a.camera.up == b.camera.up &&
          a.camera.fov_y_deg == b.camera.fov_y_deg;
 }
 
 void PreviewWorker::take(PreviewCommands commands) {
   // A look alone does not ask for another try.
-  if (commands.scene || commands.luminaire || !commands.cells.empty() || commands.camera || commands.size_px ||
-      commands.method)
+  if (commands.scene || commands.luminaire || !commands.cells.empty() || commands.camera || commands.placements ||
+      commands.size_px || commands.method || commands.visibility || commands.refresh_shadows)
     stuck_ = false;
   if (commands.scene) take_scene(*commands.scene);
   if (commands.method) take_method(*commands.method);
+  if (commands.visibility) take_visibility(*commands.visibility);
+  if (commands.refresh_shadows && renderer_) {
+    renderer_->refresh_shadows();
+    view_changed_ = true;
+  }
   if (commands.luminaire) take_luminaire(*commands.luminaire);
   // Before the cells, which wait for a view that is to come.
   const View before = view_;
   if (commands.camera) view_.camera = *commands.camera;
+  if (commands.placements) view_.placements = std::move(*commands.placements);
   if (commands.size_px) std::tie(view_.width_px, view_.height_px) = *commands.size_px;
   if (!same(before, view_)) view_changed_ = true;
   for (PreviewCommands::Cell& cell : commands.cells) take_cell(std::move(cell));
@@ -46,6 +56,7 @@ void PreviewWorker::take_scene(const Scene& scene) {
   drawn_.reset();
   moving_ = false;
   view_.camera = scene.camera;
+  view_.placements = placed_ = scene.luminaires;
   view_changed_ = true;
   last_.reset();
   last_error_.clear();
@@ -57,6 +68,7 @@ void PreviewWorker::take_scene(const Scene& scene) {
     method_ = {};
     report(set.error());
   }
+  if (const Status set = renderer_->set_visibility(visibility_); !set) report(set.error());
   if (callbacks_.ready) callbacks_.ready(renderer_->info());
   if (geometry_) light();
 }
@@ -76,6 +88,17 @@ void PreviewWorker::take_method(const MethodSettings& method) {
   if (renderer_)
     if (const Status set = renderer_->set_method(method); !set) return report(set.error());
   method_ = method;
+  costs_ = {};
+  last_error_.clear();
+  drawn_.reset();
+  view_changed_ = true;
+}
+
+/// As of another method.
+void PreviewWorker::take_visibility(Visibility visibility) {
+  if (renderer_)
+    if (const Status set = renderer_->set_visibility(visibility); !set) return report(set.error());
+  visibility_ = visibility;
   costs_ = {};
   last_error_.clear();
   drawn_.reset();

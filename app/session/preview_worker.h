@@ -34,6 +34,7 @@ class PreviewWorker {
   struct View {
     SceneCamera camera;
     int width_px = 1024, height_px = 768;
+    std::vector<ScenePlacement> placements;
     double pixels() const { return static_cast<double>(width_px) * height_px; }
   };
 
@@ -46,6 +47,7 @@ class PreviewWorker {
   bool holds_cells() const;
   void let_in();
   void take_method(const MethodSettings& method);
+  void take_visibility(Visibility visibility);
   void report(const Error& error);
 
   // preview_worker_step.cpp
@@ -79,6 +81,7 @@ class PreviewWorker {
   bool moving_ = false, scan_ = false;
   PreviewLook look_;
   MethodSettings method_;
+  Visibility visibility_ = Visibility::tile;
 
   // What there is.
   std::unique_ptr<Renderer> renderer_;
@@ -87,7 +90,8 @@ class PreviewWorker {
   bool view_changed_ = true, look_changed_ = false;
   std::optional<PreviewDetail> drawn_;  ///< empty before anything is
   View drawn_view_;
-  bool hasty_ = false;  ///< coarse, or of a camera that moves: made to its end
+  std::vector<ScenePlacement> placed_;  ///< the last that the renderer took
+  bool hasty_ = false;                  ///< coarse, or of a camera that moves: made to its end
   bool handed_over_ = false;
   std::set<CellIndex> held_;  ///< cells that would begin a hasty picture anew: the renderer gets them after it
   bool caught_up_ = false;

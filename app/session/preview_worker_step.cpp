@@ -112,6 +112,13 @@ void PreviewWorker::draw(PreviewDetail detail) {
   const Clock::time_point start = Clock::now();
   drawn_.reset();
   let_in();
+  // Luminaires that are refused leave those of the picture before.
+  if (const Status placed = renderer_->set_placements(view_.placements); !placed) {
+    report(placed.error());
+    view_.placements = placed_;
+    if (const Status again = renderer_->set_placements(placed_); !again) return stop_at(again.error());
+  }
+  placed_ = view_.placements;
   const int width = divided(view_.width_px, detail.divisor), height = divided(view_.height_px, detail.divisor);
   if (const Status viewed = renderer_->set_view(view_.camera, width, height, detail.lod); !viewed)
     return stop_at(viewed.error());
@@ -162,7 +169,9 @@ void PreviewWorker::show() {
   PreviewFrame frame;
   frame.radiance = std::make_shared<const Picture>(std::move(*picture));
   frame.camera = drawn_view_.camera;
+  frame.placements = drawn_view_.placements;
   frame.method = method_;
+  frame.visibility = visibility_;
   frame.cells = renderer_->summed();
   frame.total = geometry_->sampling.cells();
   frame.measured = static_cast<int>(cells_.size());

@@ -76,8 +76,8 @@ using SessionEvent = std::variant<ScanProgress, CellStored, ReferenceReading, Pi
 ///
 /// Everything is checked before anything moves. A complete dataset that is resumed is left as it is, without a picture;
 /// only the journal of a scan that was killed at its end is still merged into its manifest. Cells are never dropped;
-/// progress events, all but the last, are when nobody takes them. `start` returns when the threads run; take events until they end, then
-/// `wait`. Thread-safe but for `wait`, called once.
+/// progress events, all but the last, are when nobody takes them. `start` returns when the threads run; take events
+/// until they end, then `wait`. Thread-safe but for `wait`, called once.
 class ScanSession {
  public:
   /// Errors before anything moves: plan against bench, output folder, a dataset to resume that is not there or was

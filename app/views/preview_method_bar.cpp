@@ -4,6 +4,7 @@
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QSpinBox>
+#include <QToolButton>
 
 namespace lumifield {
 
@@ -31,7 +32,20 @@ QString samples_tip(Method method) {
 }  // namespace
 
 PreviewMethodBar::PreviewMethodBar(QWidget* parent)
-    : QWidget(parent), methods_(new QComboBox(this)), samples_(new QSpinBox(this)) {
+    : QWidget(parent),
+      methods_(new QComboBox(this)),
+      samples_(new QSpinBox(this)),
+      shadows_(new QComboBox(this)),
+      refresh_(new QToolButton(this)) {
+  auto* row = new QHBoxLayout(this);
+  row->setContentsMargins(0, 0, 0, 0);
+  add_methods(row);
+  add_shadows(row);
+  row->addStretch(1);
+  choose(Method::closed_form);
+}
+
+void PreviewMethodBar::add_methods(QHBoxLayout* row) {
   for (const MethodInfo& each : lumifield::methods()) {
     if (each.method == Method::reference) continue;
     methods_->addItem(text_of(each.name), static_cast<int>(each.method));
@@ -45,14 +59,11 @@ PreviewMethodBar::PreviewMethodBar(QWidget* parent)
   samples_->setKeyboardTracking(false);
   samples_->setAccessibleName(tr("Samples"));
   samples_->setToolTip(samples_tip(Method::position_dependent));
-  auto* row = new QHBoxLayout(this);
-  row->setContentsMargins(0, 0, 0, 0);
   auto* name = new QLabel(tr("Light by"), this);
   name->setBuddy(methods_);
   row->addWidget(name);
   row->addWidget(methods_);
   row->addWidget(samples_);
-  row->addStretch(1);
   connect(methods_, &QComboBox::currentIndexChanged, this,
           [this] { choose(static_cast<Method>(methods_->currentData().toInt())); });
   connect(samples_, &QSpinBox::valueChanged, this, [this](int samples) {
@@ -60,8 +71,36 @@ PreviewMethodBar::PreviewMethodBar(QWidget* parent)
     method.samples = samples;
     tell(method);
   });
-  choose(Method::closed_form);
 }
+
+void PreviewMethodBar::add_shadows(QHBoxLayout* row) {
+  for (const VisibilityInfo& each : visibilities()) {
+    shadows_->addItem(text_of(each.name), static_cast<int>(each.visibility));
+    shadows_->setItemData(shadows_->count() - 1, text_of(each.what), Qt::ToolTipRole);
+  }
+  shadows_->setCurrentIndex(static_cast<int>(Visibility::tile));
+  shadows_->setAccessibleName(tr("What casts shadows"));
+  refresh_->setText(tr("Refresh"));
+  refresh_->setToolTip(
+      tr("Published shadows stand where the first cells had their light: from now on where all have it"));
+  auto* name = new QLabel(tr("Shadows"), this);
+  name->setBuddy(shadows_);
+  row->addWidget(name);
+  row->addWidget(shadows_);
+  row->addWidget(refresh_);
+  const auto explain = [this] {
+    shadows_->setToolTip(tr("What casts shadows: %1").arg(text_of(info(visibility()).what)));
+    refresh_->setVisible(visibility() == Visibility::published);
+  };
+  explain();
+  connect(shadows_, &QComboBox::currentIndexChanged, this, [this, explain] {
+    explain();
+    emit visibilityChanged(visibility());
+  });
+  connect(refresh_, &QToolButton::clicked, this, &PreviewMethodBar::shadowsToBeRefreshed);
+}
+
+Visibility PreviewMethodBar::visibility() const { return static_cast<Visibility>(shadows_->currentData().toInt()); }
 
 void PreviewMethodBar::choose(Method chosen) {
   const MethodCost cost = info(chosen).cost;

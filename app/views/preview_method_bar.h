@@ -3,14 +3,17 @@
 #include <QWidget>
 
 #include "renderer/methods/method.h"
+#include "renderer/visibility/visibility.h"
 
 class QComboBox;
+class QHBoxLayout;
 class QSpinBox;
+class QToolButton;
 
 namespace lumifield {
 
-/// How the preview's light is computed, and by how many samples where the method draws any. The reference is not
-/// offered: a picture of it takes minutes. GUI thread.
+/// How the preview's light is computed, by how many samples where the method draws any, and what casts shadows. The
+/// reference is not offered: a picture of it takes minutes. GUI thread.
 class PreviewMethodBar : public QWidget {
   Q_OBJECT
 
@@ -18,11 +21,17 @@ class PreviewMethodBar : public QWidget {
   explicit PreviewMethodBar(QWidget* parent = nullptr);
 
   const MethodSettings& method() const { return method_; }
+  Visibility visibility() const;
 
  signals:
   void methodChanged(const lumifield::MethodSettings& method);
+  void visibilityChanged(lumifield::Visibility visibility);
+  /// Published shadows are to stand where the cells of now have their light.
+  void shadowsToBeRefreshed();
 
  private:
+  void add_methods(QHBoxLayout* row);
+  void add_shadows(QHBoxLayout* row);
   void choose(Method method);
   void tell(const MethodSettings& method);
 
@@ -30,6 +39,8 @@ class PreviewMethodBar : public QWidget {
   Method counted_ = Method::position_dependent;  ///< what the samples shown are of
   QComboBox* methods_;
   QSpinBox* samples_;
+  QComboBox* shadows_;
+  QToolButton* refresh_;
 };
 
 }  // namespace lumifield

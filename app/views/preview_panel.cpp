@@ -112,7 +112,11 @@ void PreviewPanel::connect_to(PreviewInbox& inbox, LivePreview& live) {
   connect(method_, &PreviewMethodBar::methodChanged, &inbox,
           [&live](const MethodSettings& method) { live.set_method(method); });
   live.set_look(look_->look());
+  connect(method_, &PreviewMethodBar::visibilityChanged, &inbox,
+          [&live](Visibility visibility) { live.set_visibility(visibility); });
+  connect(method_, &PreviewMethodBar::shadowsToBeRefreshed, &inbox, [&live] { live.refresh_shadows(); });
   live.set_method(method_->method());
+  live.set_visibility(method_->visibility());
   if (const QSize& size = view_->wanted_size(); !size.isEmpty()) live.set_size(size.width(), size.height());
 }
 

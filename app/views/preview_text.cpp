@@ -14,6 +14,10 @@ QString progress_text(const PreviewFrame& frame) {
     text += " · " + QString::fromUtf8(method.name.data(), static_cast<qsizetype>(method.name.size()));
     if (method.cost != MethodCost::none) text += QString(", %1").arg(frame.method.samples);
   }
+  if (frame.visibility == Visibility::none)
+    text += " · no shadows";
+  else
+    text += " · shadows: " + QString::fromUtf8(to_string(frame.visibility).data());
   if (frame.coarse) text += " · coarse";
   return text;
 }

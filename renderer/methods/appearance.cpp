@@ -12,7 +12,9 @@ std::size_t gloss_values(const GlossLobe& lobe, std::size_t channels) {
 }
 
 Look Appearance::look(std::size_t receiver) const {
-  return {gloss.empty() ? GlossLobe{} : gloss[receiver], visible.empty() ? nullptr : &visible, receiver, {}};
+  Look look{gloss.empty() ? GlossLobe{} : gloss[receiver], visible.empty() ? nullptr : &visible, receiver, {}};
+  if (sees) look.sees = [this, receiver](const Vec2& u) { return sees(receiver, u); };
+  return look;
 }
 
 bool Appearance::is_grey() const {

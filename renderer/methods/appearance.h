@@ -9,8 +9,10 @@ namespace lumifield {
 
 /// How receivers look, besides diffuse and unoccluded. Value type.
 struct Appearance {
-  std::vector<GlossLobe> gloss;  ///< one for each receiver, the eye in the luminaire frame; empty: all are diffuse
-  TileVisibility visible;        ///< of each receiver; empty: all see all
+  std::vector<GlossLobe> gloss{};  ///< one for each receiver, the eye in the luminaire frame; empty: all are diffuse
+  TileVisibility visible{};        ///< of each receiver; empty: all see all
+  /// By points of U, of a receiver; where it is set host forms ask it instead.
+  std::function<bool(std::size_t receiver, const Vec2& u_mm)> sees{};
 
   /// Of one of them.
   Look look(std::size_t receiver) const;

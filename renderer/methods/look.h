@@ -10,10 +10,10 @@ namespace lumifield {
 /// How one receiver looks: what it sees of U, and how it shines. By default it is diffuse and sees all. Value type;
 /// refers to the visibility.
 struct Look {
-  GlossLobe lobe{};                            ///< the eye in the luminaire frame
-  const TileVisibility* visible = nullptr;     ///< by tiles; null: all of them
-  std::size_t receiver = 0;                    ///< of `visible`
-  std::function<bool(const Vec2& u_mm)> sees;  ///< exact, by point; where it is set `visible` counts for nothing
+  GlossLobe lobe{};                              ///< the eye in the luminaire frame
+  const TileVisibility* visible = nullptr;       ///< by tiles; null: all of them
+  std::size_t receiver = 0;                      ///< of `visible`
+  std::function<bool(const Vec2& u_mm)> sees{};  ///< exact, by point; where it is set `visible` counts for nothing
 
   bool plain() const { return lobe.kind == LOBE_NONE && !visible && !sees; }
 };

@@ -18,6 +18,8 @@ Status check(const LuminaireGeometry& geometry, const ShadowSettings& settings,
     return refuse("maps of " + std::to_string(settings.map_px) + " texels a side", "ask for 1 or more");
   if (settings.tiles_per_map < 1 || settings.tiles_per_map > 32)
     return refuse(std::to_string(settings.tiles_per_map) + " tiles per map and axis", "ask for 1 to 32");
+  if (!(settings.texel_bias >= 0 && settings.texel_bias < 100))
+    return refuse("a bias of " + std::to_string(settings.texel_bias) + " texels", "give 0 or more, less than 100");
   if (!(settings.depth_bias >= 0 && settings.depth_bias < 1))
     return refuse("a depth bias of " + std::to_string(settings.depth_bias), "give 0 or more, less than 1");
   if (settings.position == ShadowPosition::tile_center) return {};
@@ -67,6 +69,11 @@ std::optional<ShadowView> from_s(const LuminaireGeometry& geometry, const TilePo
 }
 
 }  // namespace
+
+double bias_of(const ShadowView& view, const ShadowSettings& settings) {
+  const Vec2 step = (view.high - view.low) / settings.map_px;
+  return std::min(settings.depth_bias + settings.texel_bias * step.maxCoeff(), 0.5);
+}
 
 Result<ShadowPlan> plan_shadows(const LuminaireGeometry& geometry, const ShadowSettings& settings,
                                 const std::optional<TilePositions>& positions) {

@@ -34,6 +34,10 @@ struct ShadowSettings {
   /// from the face's normal, where the scene's coordinates are not far larger; that is 1e-5 at 88° and 2e-4 at 89.9°.
   /// What leaks through for it is 0.2 mm at 1 m, a fiftieth of a texel of 192 on an image of 300 mm at δ = 150 mm.
   double depth_bias = 2e-4;
+  /// What is nearer by less than so many texels is the face too: a relief finer than a map's texel, as a column's
+  /// flutes, would else shade itself where the texel's centre meets a ridge. Of a thick body nothing leaks through for
+  /// it, of a sheet as much light as falls within so many texels behind it.
+  double texel_bias = 1;
   bool operator==(const ShadowSettings&) const = default;
 };
 
@@ -53,6 +57,9 @@ struct ShadowPlan {
   std::array<std::vector<int>, 2> maps_of;
   bool operator==(const ShadowPlan&) const = default;
 };
+
+/// Of a map, in shares of the distance along z: ε and the texels' part.
+double bias_of(const ShadowView& view, const ShadowSettings& settings);
 
 /// `positions` count where they are published ones. Errors: settings out of their range, a luminaire without a size,
 /// positions of another grid or none where they are asked for, more maps than max_shadow_texels.

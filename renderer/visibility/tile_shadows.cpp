@@ -16,23 +16,31 @@ constexpr std::size_t work_group = 64;
 /// Receivers of a work-item on a processor.
 constexpr std::size_t cpu_width = 8;
 
-ShadowTileMap map_of(const ShadowView& view, std::size_t number, int map_px) {
+ShadowTileMap map_of(const ShadowView& view, std::size_t number, const ShadowSettings& settings) {
+  const int map_px = settings.map_px;
   const Vec2 step = (view.high - view.low) / map_px;
   const auto f = [](double x) { return static_cast<float>(x); };
   const std::size_t texels = static_cast<std::size_t>(map_px) * static_cast<std::size_t>(map_px);
-  return {f(view.eye_mm.x()), f(view.eye_mm.y()), f(view.low.x()),
-          f(view.low.y()),    f(step.x()),        f(step.y()),
-          f(1 / step.x()),    f(1 / step.y()),    static_cast<int>(number * texels)};
+  return {f(view.eye_mm.x()),
+          f(view.eye_mm.y()),
+          f(view.low.x()),
+          f(view.low.y()),
+          f(step.x()),
+          f(step.y()),
+          f(1 / step.x()),
+          f(1 / step.y()),
+          f(1 - bias_of(view, settings)),
+          static_cast<int>(number * texels)};
 }
 
-std::vector<ShadowTileMap> maps_of(const ShadowPlan& plan, int map_px) {
+std::vector<ShadowTileMap> maps_of(const ShadowPlan& plan, const ShadowSettings& settings) {
   ShadowTileMap none{};
   none.first = -1;
   std::vector<ShadowTileMap> maps;
   for (const std::vector<int>& set : plan.maps_of)
     for (const int view : set) {
       const auto number = static_cast<std::size_t>(view);
-      maps.push_back(view < 0 ? none : map_of(plan.views[number], number, map_px));
+      maps.push_back(view < 0 ? none : map_of(plan.views[number], number, settings));
     }
   return maps;
 }
@@ -76,9 +84,7 @@ Status TileShadows::Impl::fill(DeviceBuffer& buffer, std::span<const std::byte> 
 Status TileShadows::Impl::make(const ShadowPlan& wanted) {
   const Result<ShadowMaps> drawn = pass->draw(pose, wanted.views, settings.map_px);
   if (!drawn) return tl::unexpected(drawn.error());
-  if (const Status done = fill(depths, std::as_bytes(std::span(drawn->depth_mm)), "shadow maps"); !done) return done;
-  const std::vector<ShadowTileMap> list = maps_of(wanted, settings.map_px);
-  return fill(maps, std::as_bytes(std::span(list)), "the list of shadow maps");
+  return fill(depths, std::as_bytes(std::span(drawn->depth_mm)), "shadow maps");
 }
 
 ShadowTiles TileShadows::Impl::shared(std::size_t receivers) const {
@@ -91,8 +97,7 @@ ShadowTiles TileShadows::Impl::shared(std::size_t receivers) const {
           .map_px = settings.map_px,
           .published = settings.position == ShadowPosition::published,
           .receivers = static_cast<int>(receivers),
-          .separation = static_cast<float>(plan->separation_mm),
-          .kept = static_cast<float>(1 - settings.depth_bias)};
+          .separation = static_cast<float>(plan->separation_mm)};
 }
 
 TileShadows::TileShadows(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -129,6 +134,9 @@ Status TileShadows::set(const Pose& pose, const LuminaireGeometry& geometry, con
     if (const Status made = impl_->make(*plan); !made) return made;
     ++impl_->times_made;
   }
+  const std::vector<ShadowTileMap> list = maps_of(*plan, settings);
+  if (const Status done = impl_->fill(impl_->maps, std::as_bytes(std::span(list)), "the list of shadow maps"); !done)
+    return done;
   impl_->plan = std::move(*plan);
   return {};
 }

@@ -67,7 +67,7 @@ INLINE FLOATS gather(__global const float* depth, INTS at) {
 }
 
 // Lanes of the receivers that the map's surfaces hide from e; height and per_height: of the receivers over e, along z.
-INLINE INTS hidden(const ShadowTileMap map, int map_px, float kept, __global const float* depths, const Receivers* r,
+INLINE INTS hidden(const ShadowTileMap map, int map_px, __global const float* depths, const Receivers* r,
                    FLOATS height, FLOATS per_height) {
   // Find the texel.
   const FLOATS q_x = r->p_x - map.e_x, q_y = r->p_y - map.e_y;
@@ -78,10 +78,10 @@ INLINE INTS hidden(const ShadowTileMap map, int map_px, float kept, __global con
   const FLOATS depth = gather(depths, TO_INTS(j) * map_px + TO_INTS(i));
 
   // Compare with the receiver and with its face at the texel's centre, which is at own/across where they agree in sign.
-  const FLOATS own = (r->n_x * q_x + r->n_y * q_y + r->n_z * height) * kept;
+  const FLOATS own = (r->n_x * q_x + r->n_y * q_y + r->n_z * height) * map.kept;
   const FLOATS across =
       r->n_x * (map.low_x + (i + 0.5f) * map.step_x) + r->n_y * (map.low_y + (j + 0.5f) * map.step_y) + r->n_z;
-  const INTS before_receiver = LANES(depth < height * kept);
+  const INTS before_receiver = LANES(depth < height * map.kept);
   const INTS before_face = LANES(depth * fabs(across) < fabs(own));
   const INTS has_face = LANES(((own > 0.0f) & (across > 0.0f)) | ((own < 0.0f) & (across < 0.0f)));
   return inside & before_receiver & (before_face | ~has_face);
@@ -99,7 +99,7 @@ INLINE UINTS word_of(const ShadowTiles* tiles, __global const ShadowTileMap* map
     if (map.first < 0) continue;
     const int shift = k * b - 32 * word;
     const uint tile = shift < 0 ? ones >> -shift : ones << shift;
-    bits &= ~(AS_UINTS(hidden(map, tiles->map_px, tiles->kept, depths + map.first, r, height, per_height)) & tile);
+    bits &= ~(AS_UINTS(hidden(map, tiles->map_px, depths + map.first, r, height, per_height)) & tile);
   }
   return bits;
 }

@@ -16,7 +16,7 @@ enum class ShadowWeighing { tile, mean };
 struct TileVisibility {
   TileGrid grid;
   ShadowWeighing weighing = ShadowWeighing::tile;
-  std::vector<std::uint32_t> words;
+  std::vector<std::uint32_t> words{};
 
   bool empty() const { return words.empty(); }
   std::size_t row_words() const { return static_cast<std::size_t>((grid.columns + 31) / 32); }

@@ -12,7 +12,6 @@ typedef struct ShadowTiles {
   int published;     ///< receivers beyond S have maps of their own
   int receivers;     ///< with those that fill the last work-item
   float separation;  ///< δ
-  float kept;        ///< 1 − ε
 } ShadowTiles;
 
 /// The map of a block of tiles. First those from U, then those from S, each by block, row by row.
@@ -21,12 +20,13 @@ typedef struct ShadowTileMap {
   float low_x, low_y;    ///< least x/z and y/z
   float step_x, step_y;  ///< a texel's
   float px_x, px_y;      ///< texels a unit
+  float kept;            ///< 1 − bias
   int first;             ///< its first texel in the list of all; −1: none, the tiles are seen
 } ShadowTileMap;
 
 #ifndef __OPENCL_C_VERSION__
 #include <cstddef>
 static_assert(sizeof(int) == 4 && sizeof(float) == 4);
-static_assert(sizeof(ShadowTiles) == 44 && offsetof(ShadowTiles, separation) == 36);
-static_assert(sizeof(ShadowTileMap) == 36 && offsetof(ShadowTileMap, first) == 32);
+static_assert(sizeof(ShadowTiles) == 40 && offsetof(ShadowTiles, separation) == 36);
+static_assert(sizeof(ShadowTileMap) == 40 && offsetof(ShadowTileMap, first) == 36);
 #endif

@@ -148,8 +148,70 @@ TEST_F(RendererTest, EveryPixelIsTheClosedFormsAtItsPosition) {
     EXPECT_THAT(picture.coverage, Contains(0.0F)) << "the view has a background";
     for (std::size_t i = 0; i < picture.rgb.size(); ++i)
       EXPECT_TRUE(picture.coverage[i / 3] > 0 || picture.rgb[i] == 0);
-    EXPECT_THAT(picture.note, HasSubstr("shadows"));
+    EXPECT_EQ(picture.note, "light from surface to surface");
   }
+}
+
+/// Rays and maps darken the same places; placements that are moved look as if they had always stood there, whatever
+/// stood there before.
+TEST_F(RendererTest, WhatStandsBeforeALuminaireCastsAShadow) {
+  const Scene pillars = read_scene(LUMIFIELD_SOURCE_DIR "/resources/scenes/pillars/scene.json").value();
+  const LightField field = light_field_of(geometry_of({"Y"}));
+  auto renderer = renderer_of(pillars, field.geometry());
+  ASSERT_TRUE(renderer->add_all(field));
+  EXPECT_EQ(renderer->visibility(), Visibility::tile);
+  const Picture shadowed = *renderer->picture();
+  EXPECT_EQ(renderer->shadow_maps_made(), 1);
+  ASSERT_TRUE(renderer->set_visibility(Visibility::none));
+  const Picture bare = *renderer->picture();
+  EXPECT_THAT(bare.note, HasSubstr("shadows"));
+  ASSERT_TRUE(renderer->set_visibility(Visibility::rays));
+  const Picture by_rays = *renderer->picture();
+  int darker = 0;
+  for (std::size_t i = 0; i < bare.rgb.size(); ++i) {
+    EXPECT_LE(by_rays.rgb[i], bare.rgb[i] * (1 + 1e-5F));
+    EXPECT_LE(shadowed.rgb[i], bare.rgb[i] * (1 + 1e-5F));
+    darker += by_rays.rgb[i] < 0.9F * bare.rgb[i];
+  }
+  EXPECT_GT(darker, 30);
+  EXPECT_LT(difference(by_rays, shadowed), 0.5 * difference(by_rays, bare));
+
+  // Back to maps: those of before.
+  ASSERT_TRUE(renderer->set_visibility(Visibility::tile));
+  EXPECT_EQ(difference(shadowed, *renderer->picture()), 0);
+  EXPECT_EQ(renderer->shadow_maps_made(), 1);
+
+  // Moved.
+  Scene moved = pillars;
+  moved.luminaires[0].pose(1, 3) += 150;
+  ASSERT_TRUE(renderer->set_placements(moved.luminaires));
+  const Picture after = *renderer->picture();
+  EXPECT_EQ(renderer->shadow_maps_made(), 2);
+  EXPECT_GT(difference(shadowed, after), 0.01);
+  EXPECT_LT(difference(fresh(moved, field), after), 1e-12);
+}
+
+TEST_F(RendererTest, PublishedShadowsStayWhereTheFirstCellsPutThemUntilRefreshed) {
+  Scene pillars = read_scene(LUMIFIELD_SOURCE_DIR "/resources/scenes/pillars/scene.json").value();
+  const LightField field = light_field_of(geometry_of({"Y"}));
+  LightField other = light_field_of(geometry_of({"Y"}));
+  auto renderer = renderer_of(pillars, field.geometry());
+  ASSERT_TRUE(renderer->set_visibility(Visibility::published));
+  ASSERT_TRUE(renderer->add_all(field));
+  (void)*renderer->picture();
+  EXPECT_EQ(renderer->shadow_maps_made(), 1);
+  // A cell that is taken again, its light elsewhere.
+  ASSERT_TRUE(renderer->add_cell({1, 2}, image_of(field.geometry(), 77)));
+  (void)*renderer->picture();
+  EXPECT_EQ(renderer->shadow_maps_made(), 1);
+  renderer->refresh_shadows();
+  const Picture refreshed = *renderer->picture();
+  EXPECT_EQ(renderer->shadow_maps_made(), 2);
+  ASSERT_TRUE(other.add({1, 2}, image_of(field.geometry(), 77)));
+  auto anew = renderer_of(pillars, field.geometry());
+  ASSERT_TRUE(anew->set_visibility(Visibility::published));
+  ASSERT_TRUE(anew->add_all(other));
+  EXPECT_LT(difference(*anew->picture(), refreshed), 1e-12);
 }
 
 TEST_F(RendererTest, PlacementsAddUpWithTheirScales) {
@@ -316,7 +378,7 @@ TEST_F(RendererTest, RefusesWhatDoesNotFit) {
   auto bare = Renderer::create(scene_, width, height);
   ASSERT_TRUE(bare);
   EXPECT_THAT(bare.value()->picture().error().message(), HasSubstr("no luminaire is set"));
-  EXPECT_THAT(bare.value()->info().notes, Contains(HasSubstr("left out: shadows")));
+  EXPECT_THAT(bare.value()->info().notes, Contains(HasSubstr("left out: light from surface to surface")));
   EXPECT_THAT(bare.value()->info().opengl, HasSubstr("OpenGL"));
   EXPECT_NE(bare.value()->info().opencl, "");
   auto renderer = renderer_of(scene_, geometry);

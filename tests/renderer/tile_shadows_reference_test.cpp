@@ -101,7 +101,7 @@ TEST_F(TileShadowsReferenceTest, TheKernelDecidesAsDoublePrecisionDoes) {
           else if (view >= 0)
             expected = outcome(plan.views[static_cast<std::size_t>(view)],
                                maps.depth_mm.data() + static_cast<std::size_t>(view) * maps.texels(), settings.map_px,
-                               settings.depth_bias, p, n);
+                               bias_of(plan.views[static_cast<std::size_t>(view)], settings), p, n);
           ++tests;
           hidden += !expected.seen;
           if (visible.sees(k, column, row) == expected.seen) continue;

@@ -4,6 +4,7 @@
 #include <QSignalSpy>
 #include <QSpinBox>
 #include <QTest>
+#include <QToolButton>
 #include <gtest/gtest.h>
 
 #include "app/views/preview_text.h"
@@ -77,13 +78,32 @@ TEST_F(PreviewMethodBarTest, LightsInAllAreOtherNumbersThanSamplesForEachPixel) 
   EXPECT_EQ(told.back().samples, 200);
 }
 
+TEST_F(PreviewMethodBarTest, ShadowsAreChosenAndPublishedOnesRefreshed) {
+  auto* shadows = bar.findChildren<QComboBox*>().back();
+  auto* refresh = bar.findChild<QToolButton*>();
+  ASSERT_EQ(shadows->accessibleName(), "What casts shadows");
+  EXPECT_EQ(bar.visibility(), Visibility::tile);
+  EXPECT_TRUE(refresh->isHidden());
+  std::vector<Visibility> told;
+  int refreshed = 0;
+  QObject::connect(&bar_, &PreviewMethodBar::visibilityChanged, [&](Visibility v) { told.push_back(v); });
+  QObject::connect(&bar_, &PreviewMethodBar::shadowsToBeRefreshed, [&] { ++refreshed; });
+  shadows->setCurrentText("published");
+  EXPECT_FALSE(refresh->isHidden());
+  refresh->click();
+  EXPECT_EQ(refreshed, 1);
+  shadows->setCurrentText("none");
+  EXPECT_TRUE(refresh->isHidden());
+  EXPECT_EQ(told, (std::vector{Visibility::published, Visibility::none}));
+}
+
 TEST_F(PreviewMethodBarTest, ThePicturesTextNamesAnotherMethod) {
   PreviewFrame frame = preview_frame(4, 3);
   EXPECT_FALSE(progress_text(frame).contains("closed-form"));
   frame.method = {.method = Method::position_dependent, .samples = 200};
   EXPECT_TRUE(progress_text(frame).contains("position-dependent, 200"));
   frame.method = {.method = Method::far_field};
-  EXPECT_TRUE(progress_text(frame).endsWith("far-field"));
+  EXPECT_TRUE(progress_text(frame).contains("far-field · shadows: tile"));
 }
 
 }  // namespace

@@ -9,10 +9,12 @@ namespace {
 
 TEST(PreviewText, SaysWhatThePictureHoldsAndWhatIsMissing) {
   PreviewFrame frame = preview_frame(4, 4);
-  EXPECT_EQ(progress_text(frame), "37 of 63 cells · picture 42 ms");
+  EXPECT_EQ(progress_text(frame), "37 of 63 cells · picture 42 ms · shadows: tile");
   EXPECT_EQ(missing_text(frame), "26 of 63 cells not measured yet: their light is missing");
   frame.coarse = true;
-  EXPECT_EQ(progress_text(frame), "37 of 63 cells · picture 42 ms · coarse");
+  EXPECT_EQ(progress_text(frame), "37 of 63 cells · picture 42 ms · shadows: tile · coarse");
+  frame.visibility = Visibility::none;
+  EXPECT_EQ(progress_text(frame), "37 of 63 cells · picture 42 ms · no shadows · coarse");
   frame.measured = 40;
   EXPECT_EQ(missing_text(frame),
             "23 of 63 cells not measured yet: their light is missing; 3 measured cells are not in the picture yet");
