@@ -14,8 +14,6 @@
 namespace lumifield {
 namespace {
 
-constexpr const char* left_out = "shadows, and all reflection but the diffuse";
-
 Status check_placements(const std::vector<ScenePlacement>& placements) {
   if (placements.empty())
     return fail("no luminaire is placed in the scene", "luminaires", "add one with its pose to the scene file");
@@ -47,7 +45,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
 
   auto impl = std::make_unique<Impl>();
   impl->info = {(*context)->description(), *opencl, std::move(mesh->notes)};
-  impl->info.notes.push_back(std::string("left out: ") + left_out);
+  impl->info.notes.push_back("left out: " + left_out(false, false));
   if (scene.environment) impl->info.notes.emplace_back("left out: the environment");
   impl->context = std::move(*context);
   impl->pass = std::move(*pass);
@@ -161,8 +159,8 @@ Result<Picture> Renderer::picture_so_far() {
     if (const Status read = impl_->device->read(impl_->irradiance); !read) return tl::unexpected(read.error());
   const std::size_t pixels = impl_->gbuffer.position.size() / 4;
   Picture picture{impl_->gbuffer.width_px, impl_->gbuffer.height_px, std::vector<float>(3 * pixels),
-                  std::vector<float>(pixels), left_out};
-  shade(impl_->gbuffer, impl_->materials, impl_->placements, impl_->irradiance, impl_->geometry->channels.size(),
+                  std::vector<float>(pixels), left_out(false, false)};
+  shade(impl_->gbuffer, impl_->materials, impl_->placements, {impl_->irradiance, impl_->geometry->channels.size()},
         picture);
   return picture;
 }

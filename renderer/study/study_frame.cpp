@@ -7,8 +7,8 @@ namespace lumifield {
 
 Picture StudyFrame::picture(const std::vector<double>& irradiance, std::size_t channels) const {
   Picture picture{gbuffer.width_px, gbuffer.height_px, std::vector<float>(3 * receivers.size()),
-                  std::vector<float>(receivers.size()), "shadows, and all reflection but the diffuse"};
-  shade(gbuffer, materials, {placement}, irradiance, channels, picture);
+                  std::vector<float>(receivers.size()), left_out(false, false)};
+  shade(gbuffer, materials, {placement}, {irradiance, channels}, picture);
   return picture;
 }
 
