@@ -26,6 +26,7 @@ struct Renderer::Impl {
   std::vector<ScenePlacement> placements;
   RendererInfo info;
   GBuffer gbuffer;
+  Vec3 eye_mm{0, 0, 0};  ///< that sees it
   double lod = 0;
 
   std::optional<LuminaireGeometry> geometry;

@@ -35,6 +35,7 @@ Status Renderer::Impl::hand_over() {
   clear();
   const Receivers seen = receivers_of(gbuffer, placements);
   Appearance appearance;
+  appearance.gloss = lobes_of(gbuffer, materials, placements, eye_mm);
   if (const Status there = see(seen, appearance); !there) return there;
   gloss_channels = appearance.gloss_channels(geometry->channels.size());
   gloss.assign(seen.p.size() / 4 * gloss_channels, 0.0);
@@ -55,7 +56,7 @@ Status Renderer::Impl::see(const Receivers& seen, Appearance& appearance) {
   if (visibility == Visibility::none) return {};
   const auto kept = kept_cells();
   if (!kept) return tl::unexpected(kept.error());
-  return shadows->see(placements, *kept, visibility, lod > 0, seen.p, seen.n, appearance);
+  return shadows->see(placements, *kept, visibility, lod > 0, seen.p, seen.face, appearance);
 }
 
 Status Renderer::Impl::keep(CellIndex cell, std::shared_ptr<const CellImage> image) {
