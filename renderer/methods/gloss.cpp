@@ -6,8 +6,9 @@
 
 namespace lumifield {
 
-std::array<double, 3> glossy_brdf(const GlossLobe& l, const Vec3& n, const Vec3& i) {
-  const Vec3 o = Vec3(l.eye_x, l.eye_y, l.eye_z).normalized();  // as float it is not quite of unit length
+std::array<double, 3> glossy_brdf(const GlossLobe& l, const Vec3& normal, const Vec3& i) {
+  // As float they are not quite of unit length, which an exponent of 1e5 would show.
+  const Vec3 n = normal.normalized(), o = Vec3(l.eye_x, l.eye_y, l.eye_z).normalized();
   const double ni = n.dot(i), no = n.dot(o), shape = l.shape;
   if (!(ni > 0 && no > 0) || l.kind == LOBE_NONE) return {0, 0, 0};
   if (l.kind == LOBE_PHONG) {
@@ -15,9 +16,10 @@ std::array<double, 3> glossy_brdf(const GlossLobe& l, const Vec3& n, const Vec3&
     return {l.r * f, l.g * f, l.b * f};
   }
   const Vec3 h = (i + o).normalized();
-  const double nh = n.dot(h), a2 = shape * shape, d = n.cross(h).squaredNorm() + a2 * nh * nh;
+  const double a2 = shape * shape, d = a2 + (1 - a2) * n.cross(h).squaredNorm();
   const double ri = no * std::sqrt(a2 + (1 - a2) * ni * ni), ro = ni * std::sqrt(a2 + (1 - a2) * no * no);
-  const double f = a2 / (std::numbers::pi * d * d) / (2 * (ri + ro)), w = std::pow(1 - h.dot(o), 5);
+  const double f = a2 / (std::numbers::pi * d * d) / std::max(2 * (ri + ro), 1e-200);
+  const double w = std::pow(1 - h.dot(o), 5);
   return {f * (l.r + (1 - l.r) * w), f * (l.g + (1 - l.g) * w), f * (l.b + (1 - l.b) * w)};
 }
 
