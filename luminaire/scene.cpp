@@ -29,10 +29,19 @@ std::map<std::string, MaterialOverride> read_materials(const JsonValue& at) {
   }
   for (const std::string& name : at.keys(most_materials)) {
     MaterialOverride& material = materials[name];
-    const JsonValue diffuse = at[name]["diffuse"];
-    if (!diffuse.present()) continue;
-    const Vec3 v = diffuse.vec3(share);
-    material.diffuse = {v.x(), v.y(), v.z()};
+    const auto colour = [&](const char* member) -> std::optional<std::array<double, 3>> {
+      const JsonValue value = at[name][member];
+      if (!value.present()) return std::nullopt;
+      const Vec3 v = value.vec3(share);
+      return std::array{v.x(), v.y(), v.z()};
+    };
+    material.diffuse = colour("diffuse");
+    material.specular = colour("specular");
+    const JsonValue roughness = at[name]["roughness"], exponent = at[name]["exponent"];
+    if (roughness.present()) material.roughness = roughness.number({least_roughness, 1});
+    if (exponent.present()) material.exponent = exponent.number({1, largest_exponent});
+    if (roughness.present() && exponent.present())
+      exponent.refuse("stands beside a roughness", "give one of them: roughness for GGX, exponent for Phong");
   }
   return materials;
 }

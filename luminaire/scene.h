@@ -12,10 +12,14 @@
 
 namespace lumifield {
 
-/// Overrides one material of the mesh by name; what is unset stays as the MTL file has it. Reflectances are 0 … 1.
+/// Overrides one material of the mesh by name; what is unset stays as the MTL file has it. Reflectances are 0 … 1. A
+/// roughness makes the gloss GGX's of width roughness², an exponent Phong's; a file gives one of them at most.
 struct MaterialOverride {
-  std::optional<std::array<double, 3>> diffuse;
+  std::optional<std::array<double, 3>> diffuse = std::nullopt;
+  std::optional<std::array<double, 3>> specular = std::nullopt;  ///< GGX: F0; Phong: k_s
+  std::optional<double> roughness = std::nullopt, exponent = std::nullopt;
 };
+constexpr double least_roughness = 0.03, largest_exponent = 1e5;
 
 struct SceneCamera {
   Vec3 position_mm{0, 0, 0}, target_mm{0, 0, 0}, up{0, 0, 1};

@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 using testing::HasSubstr;
 
 constexpr const char* documented = R"({ "format": "lumifield-scene", "version": 1, "mesh": "meshes/room.obj",
-  "materials": { "wall": { "diffuse": [0.7,0.6,0.5] }, "floor": {} },
+  "materials": { "wall": { "diffuse": [0.7,0.6,0.5] }, "floor": { "specular": [0.04,0.04,0.05], "roughness": 0.3 } },
   "camera": { "position_mm": [0, -2000, 1200], "target_mm": [0, 0, 800], "up": [0,0,1], "fov_y_deg": 45 },
   "luminaires": [ { "pose": [1,0,0,0, 0,0,-1,0, 0,1,0,1500, 0,0,0,1], "scale": 2 } ], "environment": "x.exr" })";
 
@@ -28,7 +28,8 @@ class SceneFile : public testing::Test {
     const Result<Scene> scene = parse_scene(json.dump(), "scene.json", folder_);
     return scene ? "accepted" : scene.error().message();
   }
-  fs::path folder_ = fs::path(testing::TempDir()) / std::string("scene_test_").append(std::to_string(getpid())) / "scenes";
+  fs::path folder_ =
+      fs::path(testing::TempDir()) / std::string("scene_test_").append(std::to_string(getpid())) / "scenes";
 };
 
 TEST_F(SceneFile, ReadsTheDocumentedFile) {
@@ -38,7 +39,10 @@ TEST_F(SceneFile, ReadsTheDocumentedFile) {
   EXPECT_EQ(scene->mesh, folder_ / "meshes/room.obj");
   EXPECT_EQ(scene->environment, folder_ / "x.exr");
   EXPECT_EQ(scene->materials.at("wall").diffuse, (std::array<double, 3>{0.7, 0.6, 0.5}));
-  EXPECT_FALSE(scene->materials.at("floor").diffuse);
+  EXPECT_FALSE(scene->materials.at("wall").specular || scene->materials.at("wall").roughness);
+  EXPECT_FALSE(scene->materials.at("floor").diffuse || scene->materials.at("floor").exponent);
+  EXPECT_EQ(scene->materials.at("floor").specular, (std::array<double, 3>{0.04, 0.04, 0.05}));
+  EXPECT_EQ(scene->materials.at("floor").roughness, 0.3);
   EXPECT_EQ(scene->camera.position_mm, Vec3(0, -2000, 1200));
   ASSERT_EQ(scene->luminaires.size(), 1u);
   EXPECT_EQ(scene->luminaires[0].scale, 2);
@@ -48,6 +52,11 @@ TEST_F(SceneFile, ReadsTheDocumentedFile) {
 TEST_F(SceneFile, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(refusal_with("/materials/wall/diffuse/1", 1.5),
               HasSubstr("scene.json: materials.wall.diffuse[1]: is out"));
+  EXPECT_THAT(refusal_with("/materials/floor/specular/0", -0.1), HasSubstr("materials.floor.specular[0]: is out"));
+  EXPECT_THAT(refusal_with("/materials/floor/roughness", 0.02), HasSubstr("floor.roughness: is out of range (0.02)"));
+  EXPECT_THAT(refusal_with("/materials/wall/exponent", 0.5), HasSubstr("wall.exponent: is out of range (0.5)"));
+  EXPECT_EQ(refusal_with("/materials/wall/exponent", 1e5), "accepted");
+  EXPECT_THAT(refusal_with("/materials/floor/exponent", 20), HasSubstr("floor.exponent: stands beside a roughness"));
   EXPECT_THAT(refusal_with("/camera/fov_y_deg", 180), HasSubstr("camera.fov_y_deg: is out of range (180)"));
   EXPECT_THAT(refusal_with("/camera/target_mm", Json({0, -2000, 1200})), HasSubstr("is the camera's own position"));
   EXPECT_THAT(refusal_with("/camera/up", Json({0, 0, 0})), HasSubstr("camera.up: is zero or along the view"));
