@@ -16,16 +16,12 @@
 
 #include "luminaire/file_io.h"
 #include "renderer/bands.h"
+#include "renderer/srgb.h"
 
 namespace lumifield {
 namespace {
 
 double luminance(const float* rgb) { return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]; }
-
-/// IEC 61966-2-1, 0 … 1.
-double srgb_decode(double encoded) {
-  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
 
 /// The radiance from which on each code 1 … 255 shows: the tone curve backwards at the codes' rounding borders. The
 /// last stands beyond all.

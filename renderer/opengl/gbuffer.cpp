@@ -39,7 +39,12 @@ Result<View> view_of(const SceneCamera& camera, int width_px, int height_px) {
   return view;
 }
 
-constexpr ShaderTexts shaders = {gbuffer_shaders::vertex, gbuffer_shaders::geometry, gbuffer_shaders::fragment};
+Result<unsigned> compile(bool textured) {
+  const std::string version = textured ? gbuffer_shaders::version_textured : gbuffer_shaders::version;
+  const std::string vertex = version + gbuffer_shaders::vertex, geometry = version + gbuffer_shaders::geometry,
+                    fragment = version + gbuffer_shaders::fragment;
+  return compile_program("the G-buffer", {vertex.c_str(), geometry.c_str(), fragment.c_str()});
+}
 
 }  // namespace
 
@@ -52,15 +57,21 @@ struct GBufferPass::Impl {
     glDeleteProgram(program);
     glDeleteVertexArrays(1, &vertex_array);
     glDeleteBuffers(1, &vertices);
+    glDeleteTextures(static_cast<GLsizei>(textures.size()), textures.data());
   }
 
   EglContext& context;
   GLuint program = 0, vertex_array = 0, vertices = 0;
   /// First vertex of each material's triangles in the buffer, and the end.
   std::vector<GLint> begin;
+  std::vector<Material> materials;
+  std::vector<GLuint> textures;  ///< as the mesh's; empty when no material has one
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();
 
   Status upload(const Mesh& mesh);
+  Status upload_textures(const Mesh& mesh);
+  Result<GBuffer> draw(const View& view, int width_px, int height_px) const;
+  void draw_materials() const;
   void set_uniforms(const View& view, int width_px, int height_px) const;
   GLint uniform(const char* name) const { return glGetUniformLocation(program, name); }
 };
@@ -92,13 +103,35 @@ Status GBufferPass::Impl::upload(const Mesh& mesh) {
   glGenBuffers(1, &vertices);
   glBindBuffer(GL_ARRAY_BUFFER, vertices);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(sorted.size() * sizeof(Vertex)), sorted.data(), GL_STATIC_DRAW);
-  static_assert(sizeof(Vertex) == 6 * sizeof(float) && offsetof(Vertex, normal) == 3 * sizeof(float));
-  for (GLuint i = 0; i < 2; ++i) {
+  static_assert(sizeof(Vertex) == 8 * sizeof(float) && offsetof(Vertex, normal) == 3 * sizeof(float) &&
+                offsetof(Vertex, uv) == 6 * sizeof(float));
+  for (GLuint i = 0; i < 3; ++i) {
     glEnableVertexAttribArray(i);
-    glVertexAttribPointer(i, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex),
+    glVertexAttribPointer(i, i < 2 ? 3 : 2, GL_FLOAT, GL_FALSE, sizeof(Vertex),
                           reinterpret_cast<const void*>(i * 3 * sizeof(float)));
   }
   return gl_status("mesh upload");
+}
+
+Status GBufferPass::Impl::upload_textures(const Mesh& mesh) {
+  GLint limit = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
+  textures.resize(mesh.textures.size());
+  glGenTextures(static_cast<GLsizei>(textures.size()), textures.data());
+  for (std::size_t k = 0; k < textures.size(); ++k) {
+    const Texture& t = mesh.textures[k];
+    if (t.width_px > limit || t.height_px > limit)
+      return fail("a texture of " + std::to_string(t.width_px) + "x" + std::to_string(t.height_px) + " pixels",
+                  "OpenGL", "give at most " + std::to_string(limit) + " pixels a side");
+    glBindTexture(GL_TEXTURE_2D, textures[k]);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F, t.width_px, t.height_px, 0, GL_RGB, GL_FLOAT, t.rgb.data());
+    glGenerateMipmap(GL_TEXTURE_2D);
+  }
+  return gl_status("texture upload");
 }
 
 void GBufferPass::Impl::set_uniforms(const View& view, int width_px, int height_px) const {
@@ -120,10 +153,12 @@ GBufferPass::~GBufferPass() = default;
 Result<std::unique_ptr<GBufferPass>> GBufferPass::create(EglContext& context, const Mesh& mesh) {
   if (const Status current = context.make_current(); !current) return tl::unexpected(current.error());
   auto impl = std::make_unique<Impl>(context);
-  const Result<unsigned> program = compile_program("the G-buffer", shaders);
+  const Result<unsigned> program = compile(!mesh.textures.empty());
   if (!program) return tl::unexpected(program.error());
   impl->program = *program;
+  impl->materials = mesh.materials;
   if (const Status uploaded = impl->upload(mesh); !uploaded) return tl::unexpected(uploaded.error());
+  if (const Status uploaded = impl->upload_textures(mesh); !uploaded) return tl::unexpected(uploaded.error());
   return std::unique_ptr<GBufferPass>(new GBufferPass(std::move(impl)));
 }
 
@@ -140,37 +175,52 @@ Result<GBuffer> GBufferPass::draw(const SceneCamera& camera, int width_px, int h
   const Result<View> view = view_of(camera, width_px, height_px);
   if (!view) return tl::unexpected(view.error());
 
-  // Draw each material's triangles.
-  constexpr std::array<unsigned, 2> formats = {GL_RGBA32F, GL_RGBA32F};
+  return impl_->draw(*view, width_px, height_px);
+}
+
+Result<GBuffer> GBufferPass::Impl::draw(const View& view, int width_px, int height_px) const {
+  GBuffer gbuffer{width_px, height_px, {}, {}, {}, {}};
+  std::vector<std::vector<float>*> images = {&gbuffer.position, &gbuffer.normal, &gbuffer.face};
+  if (!textures.empty()) images.push_back(&gbuffer.reflectance);
+
+  // Draw.
+  const std::vector<unsigned> formats(images.size(), GL_RGBA32F);
   const auto target = RenderTarget::create("the G-buffer", width_px, height_px, formats, true);
   if (!target) return tl::unexpected(target.error());
   glViewport(0, 0, width_px, height_px);
   constexpr std::array<float, 4> nothing{}, farthest = {1};
-  glClearBufferfv(GL_COLOR, 0, nothing.data());
-  glClearBufferfv(GL_COLOR, 1, nothing.data());
+  for (std::size_t k = 0; k < images.size(); ++k) glClearBufferfv(GL_COLOR, static_cast<GLint>(k), nothing.data());
   glClearBufferfv(GL_DEPTH, 0, farthest.data());
   glDisable(GL_BLEND);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
-  glUseProgram(impl_->program);
-  glBindVertexArray(impl_->vertex_array);
-  impl_->set_uniforms(*view, width_px, height_px);
-  for (std::size_t m = 0; m + 1 < impl_->begin.size(); ++m) {
-    glUniform1f(impl_->uniform("material"), static_cast<float>(m));
-    glDrawArrays(GL_TRIANGLES, impl_->begin[m], impl_->begin[m + 1] - impl_->begin[m]);
-  }
+  glUseProgram(program);
+  glBindVertexArray(vertex_array);
+  set_uniforms(view, width_px, height_px);
+  draw_materials();
 
   // Read back.
-  GBuffer gbuffer{width_px, height_px, {}, {}};
-  const std::size_t floats = 4 * static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
-  gbuffer.position.resize(floats);
-  gbuffer.normal.resize(floats);
-  glReadBuffer(GL_COLOR_ATTACHMENT0);
-  glReadPixels(0, 0, width_px, height_px, GL_RGBA, GL_FLOAT, gbuffer.position.data());
-  glReadBuffer(GL_COLOR_ATTACHMENT1);
-  glReadPixels(0, 0, width_px, height_px, GL_RGBA, GL_FLOAT, gbuffer.normal.data());
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    images[k]->resize(4 * static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px));
+    glReadBuffer(GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(k));
+    glReadPixels(0, 0, width_px, height_px, GL_RGBA, GL_FLOAT, images[k]->data());
+  }
   if (const Status drawn = gl_status("G-buffer"); !drawn) return tl::unexpected(drawn.error());
   return gbuffer;
+}
+
+/// Each material's triangles.
+void GBufferPass::Impl::draw_materials() const {
+  glActiveTexture(GL_TEXTURE0);
+  for (std::size_t m = 0; m < materials.size(); ++m) {
+    glUniform1f(uniform("material"), static_cast<float>(m));
+    if (!textures.empty()) {
+      glUniform3fv(uniform("diffuse"), 1, materials[m].diffuse.data());
+      glUniform1i(uniform("textured"), materials[m].texture ? 1 : 0);
+      glBindTexture(GL_TEXTURE_2D, textures[materials[m].texture.value_or(0)]);
+    }
+    glDrawArrays(GL_TRIANGLES, begin[m], begin[m + 1] - begin[m]);
+  }
 }
 
 }  // namespace lumifield

@@ -43,7 +43,8 @@ Result<unsigned> compile_program(const std::string& whose, const ShaderTexts& te
 
 Result<RenderTarget> RenderTarget::create(const std::string& picture, int width_px, int height_px,
                                           std::span<const unsigned> colour_formats, bool depth) {
-  constexpr std::array<GLenum, 2> colours = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  constexpr std::array<GLenum, 4> colours = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2,
+                                             GL_COLOR_ATTACHMENT3};
   RenderTarget target;
   glGenFramebuffers(1, &target.framebuffer_);
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer_);

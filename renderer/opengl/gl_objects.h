@@ -24,8 +24,8 @@ struct ShaderTexts {
 /// Errors: the driver's log. `whose` shaders they are, for messages.
 Result<unsigned> compile_program(const std::string& whose, const ShaderTexts& texts);
 
-/// A framebuffer with colour images of the given formats, and 32-bit depth where wanted; bound when made. `picture` in
-/// messages. Errors: no memory, a combination that the driver does not draw to.
+/// A framebuffer with up to four colour images of the given formats, and 32-bit depth where wanted; bound when made.
+/// `picture` in messages. Errors: no memory, a combination that the driver does not draw to.
 class RenderTarget {
  public:
   static Result<RenderTarget> create(const std::string& picture, int width_px, int height_px,
@@ -37,7 +37,7 @@ class RenderTarget {
  private:
   RenderTarget() = default;
   unsigned framebuffer_ = 0;
-  std::array<unsigned, 3> images_{};
+  std::array<unsigned, 5> images_{};
 };
 
 }  // namespace lumifield

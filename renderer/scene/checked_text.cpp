@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <span>
+
+#include "luminaire/scene.h"
 
 namespace lumifield {
 namespace {
@@ -30,19 +33,25 @@ std::optional<T> number(std::string_view word) {
   return value;
 }
 
+std::optional<float> finite(std::string_view word) {
+  const std::optional<double> read = number<double>(word);
+  if (!read || !std::isfinite(static_cast<float>(*read))) return std::nullopt;
+  return static_cast<float>(*read);
+}
+
 /// The first three words as finite floats.
 std::optional<std::array<float, 3>> three_numbers(std::string_view line) {
   std::array<float, 3> values{};
   for (float& value : values) {
-    const std::optional<double> read = number<double>(next_word(line));
-    if (!read || !std::isfinite(static_cast<float>(*read))) return std::nullopt;
-    value = static_cast<float>(*read);
+    const std::optional<float> read = finite(next_word(line));
+    if (!read) return std::nullopt;
+    value = *read;
   }
   return values;
 }
 
 /// Digits enough to read the same floats again.
-std::string spelled(std::string_view keyword, const std::array<float, 3>& values) {
+std::string spelled(std::string_view keyword, std::span<const float> values) {
   std::string line(keyword);
   std::array<char, 32> digits{};
   for (const float value : values) {
@@ -103,10 +112,8 @@ std::string ObjText::plain(std::string_view keyword, std::string_view rest) {
   if (keyword == "v" || keyword == "vn") return vertex(keyword, rest);
   if (keyword == "f") return face(rest);
   if (keyword == "usemtl" || keyword == "mtllib") return joined(keyword, rest);
-  if (keyword != "vt") return {};
-  // Textures are not shown; the corners' references stay valid.
-  ++texture_coordinates_;
-  return "vt 0 0";
+  if (keyword == "vt") return texture_coordinates(rest);
+  return {};
 }
 
 std::string ObjText::vertex(std::string_view keyword, std::string_view rest) {
@@ -115,6 +122,16 @@ std::string ObjText::vertex(std::string_view keyword, std::string_view rest) {
   std::size_t& count = keyword == "v" ? positions_ : normals_;
   if (++count > 3 * most_triangles_) return refuse("too many vertices", "simplify the mesh");
   return spelled(keyword, *values);
+}
+
+/// u, and v where it is given; a third is depth, which pictures have none of.
+std::string ObjText::texture_coordinates(std::string_view rest) {
+  const std::optional<float> u = finite(next_word(rest));
+  const std::string_view second = next_word(rest);
+  const std::optional<float> v = second.empty() ? 0.0F : finite(second);
+  if (!u || !v) return refuse("not one or two finite numbers", again);
+  if (++texture_coordinates_ > 3 * most_triangles_) return refuse("too many texture coordinates", "simplify the mesh");
+  return spelled("vt", std::array{*u, *v});
 }
 
 std::string ObjText::face(std::string_view rest) {
@@ -158,13 +175,32 @@ std::optional<std::string> ObjText::corner(std::string_view word) const {
 }
 
 std::string MtlText::plain(std::string_view keyword, std::string_view rest) {
-  if (keyword == "newmtl" || keyword == "map_Kd") return joined(keyword, rest);
-  if (keyword != "Kd" && keyword != "Ks") return {};
+  if (keyword == "newmtl") has_kd_ = false;
+  if (keyword == "newmtl") return joined(keyword, rest);
+  if (keyword == "Kd" || keyword == "Ks") return colour(keyword, rest);
+  if (keyword == "Pr" || keyword == "Pm") return share(keyword, rest, 1);
+  if (keyword == "Ns") return share(keyword, rest, static_cast<float>(largest_exponent));
+  if (keyword != "map_Kd") return {};
+  const std::string map = joined(keyword, rest);
+  return has_kd_ || map.empty() ? map : "Kd 1 1 1\n" + map;
+}
+
+std::string MtlText::colour(std::string_view keyword, std::string_view rest) {
   const auto values = three_numbers(rest);
   if (!values || std::ranges::any_of(*values, [](float v) { return v < 0 || v > 1; }))
     return refuse(std::string(keyword).append(" is not three numbers from 0 to 1"),
                   "give the reflectance of red, green and blue");
+  has_kd_ = has_kd_ || keyword == "Kd";
   return spelled(keyword, *values);
+}
+
+std::string MtlText::share(std::string_view keyword, std::string_view rest, float most) {
+  const std::optional<float> value = finite(next_word(rest));
+  if (!value || *value < 0 || *value > most) {
+    const std::string range = most > 1 ? " from 0 to 100000" : " from 0 to 1";
+    return refuse(std::string(keyword).append(" is not a number").append(range), "give a number" + range);
+  }
+  return spelled(keyword, std::array{keyword == "Pr" ? std::max(*value, least_pr) : *value});
 }
 
 }  // namespace lumifield

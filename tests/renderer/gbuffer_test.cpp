@@ -38,7 +38,7 @@ Vec3 ray(const SceneCamera& camera, int width, int height, int x, int y) {
 }
 
 struct Seen {
-  Vec3 p, n;
+  Vec3 p, n, face;
   double coverage, material;
 };
 Seen at(const GBuffer& g, int x, int y) {
@@ -46,6 +46,7 @@ Seen at(const GBuffer& g, int x, int y) {
       4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(g.width_px) + static_cast<std::size_t>(x));
   return {{g.position[i], g.position[i + 1], g.position[i + 2]},
           {g.normal[i], g.normal[i + 1], g.normal[i + 2]},
+          {g.face[i], g.face[i + 1], g.face[i + 2]},
           g.position[i + 3],
           g.normal[i + 3]};
 }
@@ -96,6 +97,7 @@ TEST_F(GBufferTest, PositionsAreTheRaysHitsOnASlantedTriangle) {
       ++covered;
       for (int k = 0; k < 3; ++k) EXPECT_NEAR(seen.p[k], hit[k], 1e-7 * hit.norm()) << x << ", " << y;
       EXPECT_LT((seen.n - (n.dot(d) < 0 ? 1 : -1) * n.normalized()).norm(), 2e-7);
+      EXPECT_LT((seen.face - (n.dot(d) < 0 ? 1 : -1) * n.normalized()).norm(), 2e-7);
     }
   EXPECT_GT(covered, 3000);
 }
@@ -145,7 +147,76 @@ TEST_F(GBufferTest, VertexNormalsAreInterpolated) {
     const double b1 = (seen.p.x() + 1000) / 4000, b2 = (seen.p.z() + 1000) / 4000;
     const Vec3 n = (1 - b1 - b2) * Vec3(-0.6, -0.8, 0) + b1 * Vec3(0.6, -0.8, 0) + b2 * Vec3(0, -1, 0);
     EXPECT_LT((seen.n - n.normalized()).norm(), 1e-6);
+    EXPECT_EQ(seen.face, Vec3(0, -1, 0));
   }
+  EXPECT_TRUE(g.reflectance.empty());
+}
+
+/// A wall of 2 m, seen straight on, that shows its texture twice in width and once in height; one beside it without.
+Mesh textured_wall() {
+  const Vec3 a(-1000, 1000, -1000), b(1000, 1000, -1000), c(1000, 1000, 1000), d(-1000, 1000, 1000),
+      e(3000, 1000, -1000), f(3000, 1000, 1000);
+  Mesh mesh = mesh_of({{a, b, c}, {a, c, d}, {b, e, f}});
+  const auto uv = [&](std::size_t k, const Vec3& p) {
+    mesh.vertices[k].uv = {static_cast<float>((p.x() + 1000) / 1000), static_cast<float>((p.z() + 1000) / 2000)};
+  };
+  for (const auto& [k, p] : {std::pair(0, a), {1, b}, {2, c}, {3, a}, {4, c}, {5, d}})
+    uv(static_cast<std::size_t>(k), p);
+  mesh.materials[0].texture = mesh.materials[1].texture = 0;
+  mesh.materials[0].diffuse = mesh.materials[1].diffuse = {0.5F, 1, 1};
+  mesh.materials[2].diffuse = {0.25F, 0.5F, 0.75F};
+  return mesh;
+}
+
+TEST_F(GBufferTest, TexturesAreInterpolatedRepeatedAndStandUpright) {
+  // Four texels, brighter to the right in red and downwards in green.
+  Mesh mesh = textured_wall();
+  mesh.textures = {{2, 2, {0.2F, 0.1F, 0.5F, 0.6F, 0.1F, 0.5F, 0.2F, 0.9F, 0.5F, 0.6F, 0.9F, 0.5F}, {}}};
+  SceneCamera camera;
+  camera.target_mm = {0, 1, 0};
+  camera.fov_y_deg = 60;
+  const int width = 320, height = 240;
+  const GBuffer g = draw(mesh, camera, width, height);
+  ASSERT_EQ(g.reflectance.size(), g.position.size());
+  // Between texels' centres, at ¼ and ¾, the colour is linear and periodic.
+  const auto tent = [](double x) { return std::abs(2 * (x - 0.25 - std::floor(x - 0.25)) - 1); };
+  int walls = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const Seen seen = at(g, x, y);
+      const float* r = &g.reflectance[4 * static_cast<std::size_t>(y * width + x)];
+      if (seen.coverage == 0 || seen.material == 2) {
+        EXPECT_EQ(r[0], seen.coverage == 0 ? 0 : 0.25F);
+        EXPECT_EQ(r[2], seen.coverage == 0 ? 0 : 0.75F);
+        continue;
+      }
+      ++walls;
+      const double red = 0.6 - 0.4 * tent((seen.p.x() + 1000) / 1000);
+      const double green = 0.1 + 0.8 * tent((seen.p.z() + 1000) / 2000);
+      ASSERT_NEAR(r[0], 0.5 * red, 0.5 * 0.4 / 128) << "weights of 8 bits: " << x << ", " << y;
+      ASSERT_NEAR(r[1], green, 0.8 / 128) << x << ", " << y;
+      ASSERT_NEAR(r[2], 0.5, 1e-6);
+    }
+  EXPECT_GT(walls, 10000);
+}
+
+TEST_F(GBufferTest, FarTexturesAreTheirMean) {
+  Mesh mesh = textured_wall();
+  Texture& t = mesh.textures.emplace_back(Texture{256, 256, std::vector<float>(3 * 256 * 256), {}});
+  for (std::size_t k = 0; k < t.rgb.size(); ++k) t.rgb[k] = static_cast<float>((k / 3 + k / 768) % 2);  // a chess board
+  SceneCamera camera;
+  camera.position_mm = {0, -40000, 0};
+  camera.target_mm = {0, 1, 0};
+  const GBuffer g = draw(mesh, camera, 400, 300);
+  int inside = 0;
+  for (int y = 0; y < 300; ++y)
+    for (int x = 0; x < 400; ++x) {
+      if (at(g, x, y).coverage == 0 || at(g, x, y).material == 2) continue;
+      ++inside;
+      // Pixels of the edge too: the texture's scale is that of the plane.
+      EXPECT_NEAR(g.reflectance[4 * static_cast<std::size_t>(400 * y + x) + 1], 0.5, 0.01) << x << ", " << y;
+    }
+  EXPECT_GT(inside, 200);
 }
 
 TEST_F(GBufferTest, RefusesSizesAndCamerasWithoutSense) {

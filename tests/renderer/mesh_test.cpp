@@ -75,8 +75,7 @@ TEST_F(MeshTest, WhatIsNotShownIsNoted) {
   write("b.mtl", "newmtl wall\nKd 1 1 1\nKs 0.2 0.2 0.2\nmap_Kd bricks.png\n");
   mesh = read_mesh(write("b.obj", "mtllib b.mtl\n" + triangle + "usemtl wall\nf 1 2 3\nf 1 1 2\n"));
   ASSERT_TRUE(mesh) << mesh.error().message();
-  EXPECT_THAT(mesh->notes, Contains(HasSubstr("bricks.png (map_Kd) is not shown")));
-  EXPECT_THAT(mesh->notes, Contains(HasSubstr("(Ks) is not shown")));
+  EXPECT_THAT(mesh->notes, Contains(HasSubstr("bricks.png (map_Kd) is missing; its plain colour is shown")));
   EXPECT_THAT(mesh->notes, Contains("1 triangles without area are left out"));
 }
 
@@ -102,6 +101,7 @@ TEST_F(MeshTest, RefusesBrokenFilesWithTheLine) {
   for (const char* number : {"inf", "1e39", "-1e400", "one", "1.0x", ""})
     EXPECT_THAT(error_of(vertices + "v 0 0 " + number + "\nf 1 2 3\n"), HasSubstr("bad.obj:4:")) << number;
   EXPECT_THAT(error_of(vertices + "vn 0 0 -nan\nf 1 2 3\n"), HasSubstr("bad.obj:4:"));
+  EXPECT_THAT(error_of(vertices + "vt 0 nan\nf 1 2 3\n"), HasSubstr("bad.obj:4: not one or two finite numbers"));
   EXPECT_THAT(error_of("f 1 2 3\n" + vertices), HasSubstr("bad.obj:1: the face's corner \"1\""));
   EXPECT_THAT(error_of(vertices + "f 1//1 2//1 3//1\n"), HasSubstr("corner \"1//1\" names nothing"));
   for (const char* face :
@@ -139,13 +139,14 @@ std::string handed_on(const std::string& obj, std::size_t most, Status& status) 
 
 TEST(ObjText, HandsOnPlainLines) {
   Status status;
-  const std::string read =
-      handed_on("# words\nv +.5 1e0 -2 1 0 0\nv 1 0 0\nv 0 1 0\nvt x\np 7\nf -3/-1 2/1 3\nusemtl  a b\nusemtl\nl 4 5\n",
-                9, status);
+  const std::string read = handed_on(
+      "# words\nv +.5 1e0 -2 1 0 0\nv 1 0 0\nv 0 1 0\nvt .5 -2 1\np 7\nf -3/-1 2/1 3\nusemtl  a b\nusemtl\nl 4 5\n", 9,
+      status);
   EXPECT_TRUE(status);
-  EXPECT_EQ(read,
-            "v 5.00000000e-01 1.00000000e+00 -2.00000000e+00\nv 1.00000000e+00 0.00000000e+00 0.00000000e+00\n"
-            "v 0.00000000e+00 1.00000000e+00 0.00000000e+00\nvt 0 0\nf 1/1 2/1 3\nusemtl a b\n");
+  EXPECT_EQ(
+      read,
+      "v 5.00000000e-01 1.00000000e+00 -2.00000000e+00\nv 1.00000000e+00 0.00000000e+00 0.00000000e+00\n"
+      "v 0.00000000e+00 1.00000000e+00 0.00000000e+00\nvt 5.00000000e-01 -2.00000000e+00\nf 1/1 2/1 3\nusemtl a b\n");
 }
 
 TEST(ObjText, CountsTrianglesOfPolygonsAgainstTheirLimit) {
