@@ -180,8 +180,8 @@ Result<Picture> Renderer::picture_so_far() {
   const std::size_t pixels = impl_->gbuffer.position.size() / 4;
   Picture picture{impl_->gbuffer.width_px, impl_->gbuffer.height_px, std::vector<float>(3 * pixels),
                   std::vector<float>(pixels), left_out(impl_->visibility)};
-  shade(impl_->gbuffer, impl_->materials, impl_->placements, impl_->irradiance, impl_->geometry->channels.size(),
-        picture);
+  shade(impl_->gbuffer, impl_->materials, impl_->placements,
+        {impl_->irradiance, impl_->geometry->channels.size(), impl_->gloss, impl_->gloss_channels}, picture);
   return picture;
 }
 

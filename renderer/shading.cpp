@@ -1,6 +1,7 @@
 #include "renderer/shading.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <numbers>
 
@@ -34,24 +35,66 @@ std::string left_out(Visibility visibility) {
   return visibility == Visibility::none ? "shadows, and " + indirect : indirect;
 }
 
+std::vector<GlossLobe> lobes_of(const GBuffer& gbuffer, const std::vector<Material>& materials,
+                                const std::vector<ScenePlacement>& placements, const Vec3& eye_mm) {
+  const std::size_t pixels = gbuffer.position.size() / 4;
+  const auto material_at = [&](std::size_t k) -> const Material& {
+    return materials[static_cast<std::size_t>(gbuffer.normal[4 * k + 3])];
+  };
+  const auto glossy = [&](std::size_t k) {
+    return gbuffer.position[4 * k + 3] != 0 && material_at(k).lobe != LOBE_NONE;
+  };
+  std::size_t first = 0;
+  while (first < pixels && !glossy(first)) ++first;
+  if (first == pixels) return {};
+  std::vector<GlossLobe> lobes(pixels * placements.size());
+  for (std::size_t l = 0; l < placements.size(); ++l) {
+    const Eigen::Matrix3d to_luminaire = placements[l].pose.topLeftCorner<3, 3>().transpose();
+    in_bands(pixels, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = std::max(begin, first); k < end; ++k) {
+        if (!glossy(k)) continue;
+        const Eigen::Map<const Eigen::Vector3f> p(&gbuffer.position[4 * k]);
+        const Eigen::Vector3f eye = (to_luminaire * (eye_mm - p.cast<double>())).normalized().cast<float>();
+        const Material& m = material_at(k);
+        lobes[l * pixels + k] = {eye.x(),       eye.y(),       eye.z(),       m.shape,
+                                 m.specular[0], m.specular[1], m.specular[2], m.lobe};
+      }
+    });
+  }
+  return lobes;
+}
+
+namespace {
+
+/// Σ scale·values over the placements, in R, G and B.
+std::array<double, 3> sum_of(std::span<const double> values, std::size_t channels, std::size_t pixel,
+                             std::size_t pixels, const std::vector<ScenePlacement>& placements) {
+  std::array<double, 3> sum{};
+  for (std::size_t l = 0; l < placements.size(); ++l)
+    for (std::size_t c = 0; c < channels; ++c)
+      sum[c] += placements[l].scale * static_cast<float>(values[(l * pixels + pixel) * channels + c]);
+  if (channels == 1) sum[1] = sum[2] = sum[0];
+  return sum;
+}
+
+}  // namespace
+
 void shade(const GBuffer& gbuffer, const std::vector<Material>& materials,
-           const std::vector<ScenePlacement>& placements, std::span<const double> irradiance, std::size_t channels,
-           Picture& picture) {
+           const std::vector<ScenePlacement>& placements, const Received& received, Picture& picture) {
   const std::size_t pixels = picture.coverage.size();
-  std::vector<std::array<double, 3>> reflected(materials.size());
-  for (std::size_t m = 0; m < materials.size(); ++m)
-    for (std::size_t c = 0; c < 3; ++c) reflected[m][c] = materials[m].diffuse[c] / std::numbers::pi;
   in_bands(pixels, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       picture.coverage[i] = gbuffer.position[4 * i + 3];
-      std::array<double, 3> e{};
-      if (picture.coverage[i] != 0)
-        for (std::size_t l = 0; l < placements.size(); ++l)
-          for (std::size_t c = 0; c < channels; ++c)
-            e[c] += placements[l].scale * static_cast<float>(irradiance[(l * pixels + i) * channels + c]);
-      if (channels == 1) e[1] = e[2] = e[0];
-      const std::array<double, 3>& rate = reflected[static_cast<std::size_t>(gbuffer.normal[4 * i + 3])];
-      for (std::size_t c = 0; c < 3; ++c) picture.rgb[3 * i + c] = static_cast<float>(rate[c] * e[c]);
+      std::array<double, 3> e{}, g{};
+      if (picture.coverage[i] != 0) {
+        e = sum_of(received.irradiance, received.channels, i, pixels, placements);
+        g = sum_of(received.gloss, received.gloss_channels, i, pixels, placements);
+      }
+      const float* diffuse = gbuffer.reflectance.empty()
+                                 ? materials[static_cast<std::size_t>(gbuffer.normal[4 * i + 3])].diffuse.data()
+                                 : &gbuffer.reflectance[4 * i];
+      for (std::size_t c = 0; c < 3; ++c)
+        picture.rgb[3 * i + c] = static_cast<float>(diffuse[c] * std::numbers::inv_pi * e[c] + g[c]);
     }
   });
 }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "luminaire/scene.h"
+#include "renderer/methods/gloss_shared.h"
 #include "renderer/opengl/gbuffer.h"
 #include "renderer/picture.h"
 #include "renderer/scene/mesh.h"
@@ -21,10 +23,23 @@ Receivers receivers_of(const GBuffer& gbuffer, const std::vector<ScenePlacement>
 /// What a picture leaves out of the light, for people.
 std::string left_out(Visibility visibility);
 
-/// radiance = reflectance/π · Σ scale·E, with E of each placement's receivers in turn, `channels` (1 or 3) values each,
-/// taken as float. Fills rgb and coverage of a picture of the G-buffer's size.
+/// The lobes of those receivers, in their order; LOBE_NONE for background and diffuse surfaces. Empty when no surface
+/// in sight is glossy. eye_mm: scene frame.
+std::vector<GlossLobe> lobes_of(const GBuffer& gbuffer, const std::vector<Material>& materials,
+                                const std::vector<ScenePlacement>& placements, const Vec3& eye_mm);
+
+/// What each placement's receivers get of a luminaire of scale 1, one placement after the other. Spans: valid as long
+/// as what they look at.
+struct Received {
+  std::span<const double> irradiance;
+  std::size_t channels = 0;  ///< values of irradiance a receiver, 1 or 3
+  std::span<const double> gloss = {};
+  std::size_t gloss_channels = 0;  ///< of radiance by gloss, 0, 1 (counts for R, G and B) or 3
+};
+
+/// radiance = reflectance/π · Σ scale·E + Σ scale·G, E and G taken as float; the reflectance is the G-buffer's, or
+/// without the materials'. Fills rgb and coverage of a picture of the G-buffer's size.
 void shade(const GBuffer& gbuffer, const std::vector<Material>& materials,
-           const std::vector<ScenePlacement>& placements, std::span<const double> irradiance, std::size_t channels,
-           Picture& picture);
+           const std::vector<ScenePlacement>& placements, const Received& received, Picture& picture);
 
 }  // namespace lumifield

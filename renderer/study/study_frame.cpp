@@ -8,7 +8,7 @@ namespace lumifield {
 Picture StudyFrame::picture(const std::vector<double>& irradiance, std::size_t channels) const {
   Picture picture{gbuffer.width_px, gbuffer.height_px, std::vector<float>(3 * receivers.size()),
                   std::vector<float>(receivers.size()), left_out(Visibility::none)};
-  shade(gbuffer, materials, {placement}, irradiance, channels, picture);
+  shade(gbuffer, materials, {placement}, {irradiance, channels}, picture);
   return picture;
 }
 
