@@ -31,7 +31,7 @@ std::vector<std::filesystem::path> demo_scenes() {
   const QString program = QCoreApplication::applicationDirPath();
   std::vector<std::filesystem::path> scenes;
   for (const QString& resources : {program + "/../../resources", program + "/../share/lumifield"})
-    for (const char* name : {"corner", "pillars"}) {
+    for (const char* name : {"corner", "pillars", "road"}) {
       const QFileInfo file(QString("%1/scenes/%2/scene.json").arg(resources, name));
       if (file.exists()) scenes.emplace_back(QDir::cleanPath(file.absoluteFilePath()).toStdString());
     }

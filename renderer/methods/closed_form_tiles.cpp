@@ -176,7 +176,8 @@ std::vector<double> ClosedForm::Impl::light_of(const Receiver& receiver, const L
 
     // Sum what each pixel's part in each subtile gives.
     const Values values{cell, of_receiver, deviation};
-    const auto [x_axis, y_axis] = axes(at, values);
+    const std::pair<AxisWeights, AxisWeights> along = axes(at, values);
+    const AxisWeights &x_axis = along.first, &y_axis = along.second;
     const std::vector<Segment> xs = segments_of(basis, x_axis, division), ys = segments_of(basis, y_axis, division);
     for (const Segment& y : ys)
       for (const Segment& x : xs) {
