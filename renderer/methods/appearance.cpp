@@ -7,6 +7,12 @@
 
 namespace lumifield {
 
+bool light_is_even(const Look& look) {
+  if (look.sees) return false;
+  return !look.visible || look.visible->weighing == ShadowWeighing::mean ||
+         sight_of(*look.visible, look.receiver) == Sight::all;
+}
+
 std::size_t gloss_values(const GlossLobe& lobe, std::size_t channels) {
   return lobe.kind == LOBE_NONE ? 0 : is_grey(lobe) ? channels : 3;
 }

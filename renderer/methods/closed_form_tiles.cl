@@ -80,10 +80,10 @@ INLINE int along_u(const TileView* t, int k) { return t->forward ? k : SUBTILES 
 #if LOBES > 0
 // The lobe of one colour at the ends of subtile (i, j) in X: low and high end along x, of the low or high end along y.
 INLINE float2 lobe_ends(const TileView* t, const TileCell* cell, int colour, int i, int j, int high) {
-  const int column = cell->column * DIVISION + along_u(t, i), row = cell->row * DIVISION + along_u(t, j);
-  const int at_row = row + (t->forward ? high : 1 - high);
+  const int column = cell->column * NODES + along_u(t, i), row = cell->row * NODES + along_u(t, j);
+  const int at_row = row + STEP * (t->forward ? high : 1 - high);
   __global const float* f = t->corners + colour * t->corner_plane + at_row * t->corner_columns + column;
-  return t->forward ? (float2)(f[0], f[1]) : (float2)(f[1], f[0]);
+  return t->forward ? (float2)(f[0], f[STEP]) : (float2)(f[STEP], f[0]);
 }
 #endif
 
@@ -106,7 +106,7 @@ INLINE int column_weights(const TileView* t, const TileCell* cell, const Moments
     for (int e = 0; e < ENDS; ++e) w->plain[c][e] = w->rising[c][e] = 0;
   int any = 0;
   for (int i = 0; i < SUBTILES; ++i) {
-    const float v = cell->shares.of[along_u(t, j) / DIVISION][along_u(t, i) / DIVISION];
+    const float v = cell->shares.of[TILE_OF(along_u(t, j))][TILE_OF(along_u(t, i))];
     if (v == 0) continue;
     any = 1;
 #if LOBES == 0
@@ -186,7 +186,7 @@ INLINE void add_rows(__global const float* pixels, int plane, int stride, int be
 // A pixel's part in a subtile, in X.
 INLINE double2 part_of(const TileAxis* axis, const SeenAxis* seen, int pixel, int subtile) {
   const double rate = fmax(axis->rate, LEAST_RATE);
-  const double begin = -HALF + (double)subtile / DIVISION, end = -HALF + (double)(subtile + 1) / DIVISION;
+  const double begin = -HALF + subtile * LENGTH, end = -HALF + (subtile + 1) * LENGTH;
   return clamp((double2)(seen->low + pixel, seen->low + pixel + 1) / rate, begin, end);
 }
 
@@ -196,9 +196,9 @@ INLINE void add_cut_cell(const TileView* t, const TileCell* cell, double k, cons
   const HorizonPlane g = {k, t->x.tilt, t->y.tilt};
   for (int v = 0; v < SUBTILES; ++v)
     for (int u = 0; u < SUBTILES; ++u) {
-      const float seen = cell->shares.of[along_u(t, v) / DIVISION][along_u(t, u) / DIVISION];
-      const double4 whole = (double4)(-HALF + (double)u / DIVISION, -HALF + (double)(u + 1) / DIVISION,
-                                      -HALF + (double)v / DIVISION, -HALF + (double)(v + 1) / DIVISION);
+      const float seen = cell->shares.of[TILE_OF(along_u(t, v))][TILE_OF(along_u(t, u))];
+      const double4 whole = (double4)(-HALF + u * LENGTH, -HALF + (u + 1) * LENGTH,
+                                      -HALF + v * LENGTH, -HALF + (v + 1) * LENGTH);
       if (seen == 0 || highest(&g, whole) <= 0) continue;
       const int2 columns = shown_by(&t->x, x, u), rows = shown_by(&t->y, y, v);
       for (int j = rows.x; j < rows.y; ++j)
@@ -209,7 +209,7 @@ INLINE void add_cut_cell(const TileView* t, const TileCell* cell, double k, cons
 #if LOBES == 0
           const double f[1] = {1};
 #else
-          const double at_x = (0.5 * (r.x + r.y) - whole.x) * DIVISION, at_y = (0.5 * (r.z + r.w) - whole.z) * DIVISION;
+          const double at_x = (0.5 * (r.x + r.y) - whole.x) * PER_LENGTH, at_y = (0.5 * (r.z + r.w) - whole.z) * PER_LENGTH;
           double f[COLOURS];
           for (int c = 0; c < COLOURS; ++c) {
             const float2 low = lobe_ends(t, cell, c, u, v, 0), high = lobe_ends(t, cell, c, u, v, 1);
@@ -299,8 +299,8 @@ __kernel void closed_form_tiles(const ClosedFormGeometry geometry, __global cons
   t.y = tile_axis_y(&t.view.axes);
   t.forward = t.view.at.p_z >= geometry.separation;
   t.bits = bits + (size_t)id * tiles.row_words * tiles.rows;
-  t.corner_columns = tiles.columns * DIVISION + 1;
-  t.corner_plane = t.corner_columns * (tiles.rows * DIVISION + 1);
+  t.corner_columns = tiles.columns * NODES + 1;
+  t.corner_plane = t.corner_columns * (tiles.rows * NODES + 1);
   t.corners = corners + (size_t)get_global_id(0) * COLOURS * t.corner_plane;
 
   SeenAxis columns[GRID_CELLS];
@@ -337,7 +337,7 @@ __kernel void closed_form_tiles(const ClosedFormGeometry geometry, __global cons
 // the low corner of the tiles, then the size of one, mm.
 __kernel void tile_lobes(const ClosedFormTiles tiles, __global const ClosedFormReceiver* list,
                          __global const GlossLobe* lobes, const double4 at, __global float* corners) {
-  const int columns = tiles.columns * DIVISION + 1, rows = tiles.rows * DIVISION + 1;
+  const int columns = tiles.columns * NODES + 1, rows = tiles.rows * NODES + 1;
   const int item = get_global_id(0), id = tiles.first + item / rows, row = item % rows;
   if (id >= tiles.receivers) return;
   const ClosedFormReceiver r = list[id];
@@ -345,9 +345,9 @@ __kernel void tile_lobes(const ClosedFormTiles tiles, __global const ClosedFormR
   __global float* out = corners + (size_t)(item / rows) * LOBES * rows * columns + row * columns;
   const float3 n = (float3)(r.n_x, r.n_y, r.n_z);
   const float no = towards_eye(&lobe, r.n_x, r.n_y, r.n_z);
-  const double y = at.y + row * at.w / DIVISION - r.p_y, facing = r.n_y * y - r.n_z * r.p_z;
+  const double y = at.y + row * at.w / NODES - r.p_y, facing = r.n_y * y - r.n_z * r.p_z;
   for (int column = 0; column < columns; column += 16) {
-    const double16 x = at.x + (column + LANES_D) * at.z / DIVISION - r.p_x;
+    const double16 x = at.x + (column + LANES_D) * at.z / NODES - r.p_x;
     float16 grey, grazing;
     glossy_brdf_16(&lobe, n, no, convert_float16(x), (float)y, (float)-r.p_z, convert_float16(r.n_x * x + facing), &grey,
                    &grazing);

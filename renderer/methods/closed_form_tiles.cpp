@@ -18,22 +18,28 @@ struct Segment {
   double h0, h1, g0, g1;
 };
 
+/// Subtiles of a support, an axis; a division of 0 leaves it whole.
+int subtiles_of(int per_support, int division) { return division == 0 ? 1 : per_support * division; }
+/// Corners of subtiles to a tile, and from one end of a subtile to the other.
+int nodes_of(int division) { return std::max(division, 1); }
+int step_of(int per_support, int division) { return division == 0 ? per_support : 1; }
+
 std::vector<Segment> segments_of(const Basis& basis, const AxisWeights& axis, int division) {
   std::vector<Segment> segments;
   const double half = basis.half_support();
-  const int subtiles = basis.overlap() * division;
+  const int subtiles = subtiles_of(basis.overlap(), division);
+  const double length = 2 * half / subtiles;
   for (std::size_t i = 0; i < axis.pixels.size(); ++i)
     for (int k = 0; k < subtiles; ++k) {
       const AxisWeights::Pixel& pixel = axis.pixels[i];
-      const double begin = -half + static_cast<double>(k) / division,
-                   end = -half + static_cast<double>(k + 1) / division;
+      const double begin = -half + k * length, end = -half + (k + 1) * length;
       const double low = std::max(pixel.low, begin), high = std::min(pixel.high, end);
       if (low >= high) continue;
       const bool whole = pixel.width > 0 && low == pixel.low && high == pixel.high;
       const double exact = whole ? pixel.width / (high - low) : 1;
       const double w0 = exact * basis.moment(0, low, high), w1 = exact * basis.moment(1, low, high),
                    w2 = exact * basis.moment(2, low, high);
-      const double h1 = division * (w1 - begin * w0), g1 = division * (w2 - begin * w1);
+      const double h1 = (w1 - begin * w0) / length, g1 = (w2 - begin * w1) / length;
       segments.push_back({static_cast<int>(i), k, low, high, w0 - h1, h1, w1 - g1, g1});
     }
   return segments;
@@ -45,11 +51,11 @@ using Rgb = std::array<double, 3>;
 class CornerLobes {
  public:
   CornerLobes(const TileGrid& grid, const Receiver& receiver, const GlossLobe& lobe, int division)
-      : columns_(grid.columns * division + 1) {
-    const int rows = grid.rows * division + 1;
+      : columns_(grid.columns * nodes_of(division) + 1) {
+    const int rows = grid.rows * nodes_of(division) + 1;
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < columns_; ++column) {
-        const Vec2 u = grid.corner_mm + grid.size_mm.cwiseProduct(Vec2(column, row)) / division;
+        const Vec2 u = grid.corner_mm + grid.size_mm.cwiseProduct(Vec2(column, row)) / nodes_of(division);
         const Vec3 to_light(u.x() - receiver.p_mm.x(), u.y() - receiver.p_mm.y(), -receiver.p_mm.z());
         values_.push_back(glossy_brdf(lobe, receiver.n, to_light.normalized()));
       }
@@ -77,8 +83,9 @@ double plain_weight(const SplitCell& cell, const Segment& x, const Segment& y) {
 /// ∬ φφ f max(0, g) over a segment of both axes, by colour.
 Rgb glossy_weight(const SplitCell& cell, const Segment& x, const Segment& y, double clipped, const CornerLobes& f) {
   const int column = cell.column + x.subtile, row = cell.row + y.subtile;
-  const Rgb &f00 = f.at(column, row), &f10 = f.at(column + 1, row), &f01 = f.at(column, row + 1),
-            &f11 = f.at(column + 1, row + 1);
+  const int step = step_of(cell.basis.overlap(), cell.division);
+  const Rgb &f00 = f.at(column, row), &f10 = f.at(column + step, row), &f01 = f.at(column, row + step),
+            &f11 = f.at(column + step, row + step);
   Rgb weight;
   for (std::size_t c = 0; c < 3; ++c) {
     if (cell.above) {
@@ -91,8 +98,9 @@ Rgb glossy_weight(const SplitCell& cell, const Segment& x, const Segment& y, dou
       continue;
     }
     const double half = cell.basis.half_support();
-    const double fx = ((x.low + x.high) / 2 + half) * cell.division - x.subtile;
-    const double fy = ((y.low + y.high) / 2 + half) * cell.division - y.subtile;
+    const double per_length = subtiles_of(cell.basis.overlap(), cell.division) / (2 * half);
+    const double fx = ((x.low + x.high) / 2 + half) * per_length - x.subtile;
+    const double fy = ((y.low + y.high) / 2 + half) * per_length - y.subtile;
     weight[c] = clipped * ((1 - fy) * ((1 - fx) * f00[c] + fx * f10[c]) + fy * ((1 - fx) * f01[c] + fx * f11[c]));
   }
   return weight;
@@ -108,10 +116,12 @@ double lobe_error(const TileGrid& grid, const Receiver& receiver, const GlossLob
   const double distance_squared = beside.squaredNorm() + receiver.p_mm.z() * receiver.p_mm.z();
   const double shape = static_cast<double>(lobe.shape);
   const double curvature = lobe.kind == LOBE_PHONG ? shape : 1 / (shape * shape);
-  return grid.size_mm.squaredNorm() / (distance_squared * division * division) * curvature / 8;
+  const double parts = division == 0 ? 1.0 / grid.per_support : division;
+  return grid.size_mm.squaredNorm() / (distance_squared * parts * parts) * curvature / 8;
 }
 
-int gloss_division(const TileGrid& grid, const Receiver& receiver, const GlossLobe& lobe) {
+int gloss_division(const TileGrid& grid, const Receiver& receiver, const GlossLobe& lobe, bool light_is_even) {
+  if (light_is_even && grid.per_support > 1 && lobe_error(grid, receiver, lobe, 0) <= gloss_tolerance) return 0;
   int division = 1;
   while (division < most_division && lobe_error(grid, receiver, lobe, division) > gloss_tolerance) division *= 2;
   return division;
@@ -123,12 +133,12 @@ namespace {
 class SeenSubtiles {
  public:
   SeenSubtiles(const TileGrid& grid, const Look& look, int division)
-      : look_(look), division_(division), columns_(grid.columns * division) {
+      : look_(look), division_(nodes_of(division)), columns_(grid.columns * division_) {
     if (!look.sees) return;
-    for (int row = 0; row < grid.rows * division; ++row)
+    for (int row = 0; row < grid.rows * division_; ++row)
       for (int column = 0; column < columns_; ++column)
         by_point_.push_back(
-            look.sees(grid.corner_mm + grid.size_mm.cwiseProduct(Vec2(column + 0.5, row + 0.5)) / division));
+            look.sees(grid.corner_mm + grid.size_mm.cwiseProduct(Vec2(column + 0.5, row + 0.5)) / division_));
   }
   double at(CellIndex cell, int column, int row) const {
     if (look_.sees) return by_point_[static_cast<std::size_t>(row * columns_ + column)] ? 1 : 0;
@@ -171,8 +181,12 @@ std::vector<double> ClosedForm::Impl::light_of(const Receiver& receiver, const L
     const HorizonPlane g = plane(at, cell);
     const BasisRectangle support{-half, half, -half, half};
     if (highest(g, support) <= 0) continue;
-    const SplitCell split{
-        g, basis, lowest(g, support) >= 0, cell.index.column * division, cell.index.row * division, division};
+    const SplitCell split{g,
+                          basis,
+                          lowest(g, support) >= 0,
+                          cell.index.column * nodes_of(division),
+                          cell.index.row * nodes_of(division),
+                          division};
 
     // Sum what each pixel's part in each subtile gives.
     const Values values{cell, of_receiver, deviation};

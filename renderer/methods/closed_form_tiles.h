@@ -14,9 +14,11 @@ inline constexpr double gloss_tolerance = 0.005;
 /// Relative error of a lobe that is taken bilinear over subtiles, about its peak: h²/8 ∂²f/f an axis with the angle h
 /// that a subtile subtends at most and ∂²f/f of the peak, n for Phong's cosⁿ, 1/α² for GGX (its half vector turns half
 /// as much as the light).
+/// division 0: a whole support.
 double lobe_error(const TileGrid& grid, const Receiver& receiver, const GlossLobe& lobe, int division);
 
-/// The least power of two of which lobe_error is below gloss_tolerance, or most_division.
-int gloss_division(const TileGrid& grid, const Receiver& receiver, const GlossLobe& lobe);
+/// The least division of which lobe_error is below gloss_tolerance, or most_division: a power of two, or 0 where
+/// supports need not be divided at all, since lobe and light allow it.
+int gloss_division(const TileGrid& grid, const Receiver& receiver, const GlossLobe& lobe, bool light_is_even);
 
 }  // namespace lumifield

@@ -19,15 +19,20 @@ Receiver receiver_of(const ClosedFormReceiver& r) { return {{r.p_x, r.p_y, r.p_z
 
 bool is_lit(const ClosedFormReceiver& r) { return r.p_z > 0 && (r.n_x != 0 || r.n_y != 0 || r.n_z != 0); }
 
-template <class T>
-Status fill_buffer(OpenClDevice& device, DeviceBuffer& buffer, const std::vector<T>& values, std::string_view purpose) {
-  auto room = device.allocate(values.size() * sizeof(T), purpose);
-  if (!room) return tl::unexpected(room.error());
-  buffer = *room;
-  return device.write(buffer, 0, std::as_bytes(std::span(values)));
-}
-
 }  // namespace
+
+/// A buffer that is large enough stays.
+template <class T>
+Status ClosedFormTilesDevice::fill_buffer(DeviceBuffer& buffer, const std::vector<T>& values,
+                                          std::string_view purpose) {
+  if (buffer.bytes() < values.size() * sizeof(T)) {
+    buffer = {};
+    auto room = device_.allocate(values.size() * sizeof(T), purpose);
+    if (!room) return tl::unexpected(room.error());
+    buffer = *room;
+  }
+  return device_.write(buffer, 0, std::as_bytes(std::span(values)));
+}
 
 ClosedFormTilesDevice::List& ClosedFormTilesDevice::list_of(int division, int lobes) {
   const auto found =
@@ -51,7 +56,12 @@ void ClosedFormTilesDevice::fill(List& list, std::size_t k, const ClosedFormRece
 }
 
 Status ClosedFormTilesDevice::take(std::vector<ClosedFormReceiver>& all, const Appearance& appearance) {
-  lists_.clear();
+  for (List& list : lists_) {
+    list.receivers.clear();
+    list.number.clear();
+    list.bits.clear();
+    list.gloss.clear();
+  }
   outs_ = 0;
   receivers_ = all.size();
   if (const Status good = check_appearance(appearance, grid_, all.size()); !good) return good;
@@ -64,19 +74,23 @@ Status ClosedFormTilesDevice::take(std::vector<ClosedFormReceiver>& all, const A
     if (!is_lit(all[k])) continue;
     const Sight sight = sees_all_ ? Sight::all : sight_of(appearance.visible, k);
     if (sight != Sight::none && outs_ > 0 && appearance.gloss[k].kind != LOBE_NONE)
-      fill(list_of(gloss_division(grid_, receiver_of(all[k]), appearance.gloss[k]), lobes), k, all[k], appearance);
+      fill(
+          list_of(gloss_division(grid_, receiver_of(all[k]), appearance.gloss[k], sight == Sight::all || mean_), lobes),
+          k, all[k], appearance);
     if (sight == Sight::some) fill(list_of(1, 0), k, all[k], appearance);
     if (sight != Sight::all) all[k].n_x = all[k].n_y = all[k].n_z = 0;
   }
   for (List& list : lists_) {
+    if (list.receivers.empty()) continue;
     if (const Status built = build(list); !built) return built;
     if (const Status there = upload(list); !there) return there;
   }
   if (outs_ == 0) return {};
-  return fill_buffer(device_, radiance_, std::vector<double>(all.size() * outs_, 0.0), "radiance by gloss");
+  return fill_buffer(radiance_, std::vector<double>(all.size() * outs_, 0.0), "radiance by gloss");
 }
 
 Status ClosedFormTilesDevice::build(List& list) {
+  if (list.built) return {};
   const bool keep = device_.is_cpu() && list.division <= most_kept_division;
   const std::string options = "-DBASIS=" + std::to_string(static_cast<int>(geometry_.sampling.basis)) +
                               " -DCHANNELS=" + std::to_string(geometry_.channels.size()) +
@@ -85,27 +99,29 @@ Status ClosedFormTilesDevice::build(List& list) {
   auto kernel = device_.build("closed_form_tiles", options, "closed_form_tiles");
   if (!kernel) return tl::unexpected(kernel.error());
   list.kernel = *kernel;
-  if (list.lobes == 0) return {};
+  list.built = list.lobes == 0;
+  if (list.built) return {};
   auto lobe_kernel = device_.another(*kernel, "tile_lobes");
   if (!lobe_kernel) return tl::unexpected(lobe_kernel.error());
   list.lobe_kernel = *lobe_kernel;
+  list.built = true;
   return {};
 }
 
 Status ClosedFormTilesDevice::upload(List& list) {
   if (list.bits.empty()) list.bits = {0};  // no buffer is empty
-  if (auto done = fill_buffer(device_, list.receivers_on, list.receivers, "receivers in half-shadow"); !done)
-    return done;
-  if (auto done = fill_buffer(device_, list.number_on, list.number, "their numbers"); !done) return done;
-  if (auto done = fill_buffer(device_, list.bits_on, list.bits, "what they see"); !done) return done;
+  if (auto done = fill_buffer(list.receivers_on, list.receivers, "receivers in half-shadow"); !done) return done;
+  if (auto done = fill_buffer(list.number_on, list.number, "their numbers"); !done) return done;
+  if (auto done = fill_buffer(list.bits_on, list.bits, "what they see"); !done) return done;
   if (list.lobes == 0) return {};
-  return fill_buffer(device_, list.gloss_on, list.gloss, "lobes");
+  return fill_buffer(list.gloss_on, list.gloss, "lobes");
 }
 
 namespace {
 
 std::size_t corners_of(const TileGrid& grid, int division) {
-  return static_cast<std::size_t>(grid.columns * division + 1) * static_cast<std::size_t>(grid.rows * division + 1);
+  const int nodes = std::max(division, 1);
+  return static_cast<std::size_t>(grid.columns * nodes + 1) * static_cast<std::size_t>(grid.rows * nodes + 1);
 }
 
 }  // namespace
@@ -119,7 +135,7 @@ std::size_t ClosedFormTilesDevice::batch_of(const List& list) const {
 
 Result<double> ClosedFormTilesDevice::run_list(List& list, const ClosedFormRun& run) {
   const std::size_t batch = batch_of(list), all = list.receivers.size();
-  const std::size_t rows = static_cast<std::size_t>(grid_.rows * list.division + 1);
+  const std::size_t rows = static_cast<std::size_t>(grid_.rows * std::max(list.division, 1) + 1);
   const std::size_t corner_bytes = std::min(batch, all) * corners_of(grid_, list.division) *
                                    static_cast<std::size_t>(std::max(list.lobes, 1)) * sizeof(float);
   if (corners_.bytes() < (list.lobes > 0 ? corner_bytes : 1)) {
@@ -173,6 +189,7 @@ Result<double> ClosedFormTilesDevice::run_list(List& list, const ClosedFormRun& 
 Result<double> ClosedFormTilesDevice::run(const ClosedFormRun& run) {
   double seconds = 0;
   for (List& list : lists_) {
+    if (list.receivers.empty()) continue;
     const auto took = run_list(list, run);
     if (!took) return took;
     seconds += *took;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "renderer/methods/appearance.h"
@@ -27,7 +29,9 @@ class ClosedFormTilesDevice {
   /// Takes what it is to compute of `all`, and clears the radiance. The receivers that see a part of U or nothing get n
   /// = 0 in `all`. Errors: an appearance of other receivers or tiles, a lobe that is not finite, the device's.
   Status take(std::vector<ClosedFormReceiver>& all, const Appearance& appearance);
-  bool empty() const { return lists_.empty(); }
+  bool empty() const {
+    return std::ranges::all_of(lists_, [](const List& list) { return list.receivers.empty(); });
+  }
   /// Values of radiance a receiver, 0 where none shines.
   std::size_t outs() const { return outs_; }
 
@@ -37,7 +41,7 @@ class ClosedFormTilesDevice {
   Status read_gloss(std::vector<double>& radiance);
 
  private:
-  /// Receivers of one kernel.
+  /// Receivers of one kernel; both kernel and buffers stay for the next ones.
   struct List {
     int division = 1, lobes = 0;  ///< 0: irradiance
     std::vector<ClosedFormReceiver> receivers;
@@ -46,11 +50,14 @@ class ClosedFormTilesDevice {
     std::vector<GlossLobe> gloss;
     DeviceBuffer receivers_on, number_on, bits_on, gloss_on;
     DeviceKernel kernel, lobe_kernel;
+    bool built = false;
   };
 
   List& list_of(int division, int lobes);
   void fill(List& list, std::size_t k, const ClosedFormReceiver& receiver, const Appearance& appearance);
   Status build(List& list);
+  template <class T>
+  Status fill_buffer(DeviceBuffer& buffer, const std::vector<T>& values, std::string_view purpose);
   Status upload(List& list);
   Result<double> run_list(List& list, const ClosedFormRun& run);
   std::size_t batch_of(const List& list) const;

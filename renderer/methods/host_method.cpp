@@ -56,7 +56,7 @@ class ClosedFormOnHost final : public HostMethod {
     const int division = this->division(receiver, look);
     Estimate result{form_.light(receiver, look, division), magnitude_->light(receiver, look, division)};
     const std::vector<double> bound = form_.light_detail_error_bound(receiver, look, division),
-                              finer = form_.light(receiver, look, 2 * division);
+                              finer = form_.light(receiver, look, std::max(2 * division, 1));
     for (std::size_t c = 0; c < bound.size(); ++c)
       result.stated_error[c] =
           rounding * result.stated_error[c] + bound[c] + 2 * std::abs(finer[c] - result.irradiance[c]);
@@ -68,7 +68,8 @@ class ClosedFormOnHost final : public HostMethod {
  private:
   /// Subtiles of a tile: as many as the lobe asks for, as kernels have it, or the most.
   int division(const Receiver& receiver, const Look& look) const {
-    return finest_ ? most_division : gloss_division(TileGrid(light_field_.geometry().sampling), receiver, look.lobe);
+    if (finest_) return most_division;
+    return gloss_division(TileGrid(light_field_.geometry().sampling), receiver, look.lobe, light_is_even(look));
   }
 
   LightField light_field_;

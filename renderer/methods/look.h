@@ -18,6 +18,9 @@ struct Look {
   bool plain() const { return lobe.kind == LOBE_NONE && !visible && !sees; }
 };
 
+/// Whether every part of a cell's support counts alike: nothing of it is hidden, or the cell is weighed by a mean.
+bool light_is_even(const Look& look);
+
 /// Values of radiance that a lobe makes of so many channels: one each, or three where it colours one channel's light.
 std::size_t gloss_values(const GlossLobe& lobe, std::size_t channels);
 
