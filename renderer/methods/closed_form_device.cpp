@@ -145,7 +145,7 @@ Status ClosedFormDevice::Impl::take_receivers(std::vector<ClosedFormReceiver>& a
     return fail("has NaN or Inf", "receiver " + std::to_string(*bad), "give finite numbers");
   if (all.size() > std::size_t(1) << 30) return fail("more than 2^30 receivers", "receivers", "render in parts");
   shared.receivers = 0;  // until these are there
-  if (const Status taken = tiles->take(all, appearance); !taken) return taken;
+  if (const Status taken = tiles->take(all, appearance, next_lod); !taken) return taken;
   const std::size_t image_floats_before = layout.image_floats();
   layout = DeviceImages(geometry, next_lod > 0);
   if (layout.image_floats() != image_floats_before) on_device.clear();

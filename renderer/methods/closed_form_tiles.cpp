@@ -120,10 +120,11 @@ double lobe_error(const TileGrid& grid, const Receiver& receiver, const GlossLob
   return grid.size_mm.squaredNorm() / (distance_squared * parts * parts) * curvature / 8;
 }
 
-int gloss_division(const TileGrid& grid, const Receiver& receiver, const GlossLobe& lobe, bool light_is_even) {
-  if (light_is_even && grid.per_support > 1 && lobe_error(grid, receiver, lobe, 0) <= gloss_tolerance) return 0;
+int gloss_division(const TileGrid& grid, const Receiver& receiver, const GlossLobe& lobe, bool light_is_even,
+                   double tolerance) {
+  if (light_is_even && grid.per_support > 1 && lobe_error(grid, receiver, lobe, 0) <= tolerance) return 0;
   int division = 1;
-  while (division < most_division && lobe_error(grid, receiver, lobe, division) > gloss_tolerance) division *= 2;
+  while (division < most_division && lobe_error(grid, receiver, lobe, division) > tolerance) division *= 2;
   return division;
 }
 

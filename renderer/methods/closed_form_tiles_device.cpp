@@ -55,7 +55,7 @@ void ClosedFormTilesDevice::fill(List& list, std::size_t k, const ClosedFormRece
   list.bits.insert(list.bits.end(), begin, begin + static_cast<std::ptrdiff_t>(words));
 }
 
-Status ClosedFormTilesDevice::take(std::vector<ClosedFormReceiver>& all, const Appearance& appearance) {
+Status ClosedFormTilesDevice::take(std::vector<ClosedFormReceiver>& all, const Appearance& appearance, double lod) {
   for (List& list : lists_) {
     list.receivers.clear();
     list.number.clear();
@@ -73,10 +73,11 @@ Status ClosedFormTilesDevice::take(std::vector<ClosedFormReceiver>& all, const A
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (!is_lit(all[k])) continue;
     const Sight sight = sees_all_ ? Sight::all : sight_of(appearance.visible, k);
-    if (sight != Sight::none && outs_ > 0 && appearance.gloss[k].kind != LOBE_NONE)
-      fill(
-          list_of(gloss_division(grid_, receiver_of(all[k]), appearance.gloss[k], sight == Sight::all || mean_), lobes),
-          k, all[k], appearance);
+    if (sight != Sight::none && outs_ > 0 && appearance.gloss[k].kind != LOBE_NONE) {
+      const int division = gloss_division(grid_, receiver_of(all[k]), appearance.gloss[k], sight == Sight::all || mean_,
+                                          gloss_tolerance(lod));
+      fill(list_of(division, lobes), k, all[k], appearance);
+    }
     if (sight == Sight::some) fill(list_of(1, 0), k, all[k], appearance);
     if (sight != Sight::all) all[k].n_x = all[k].n_y = all[k].n_z = 0;
   }

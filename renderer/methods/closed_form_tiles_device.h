@@ -28,7 +28,7 @@ class ClosedFormTilesDevice {
 
   /// Takes what it is to compute of `all`, and clears the radiance. The receivers that see a part of U or nothing get n
   /// = 0 in `all`. Errors: an appearance of other receivers or tiles, a lobe that is not finite, the device's.
-  Status take(std::vector<ClosedFormReceiver>& all, const Appearance& appearance);
+  Status take(std::vector<ClosedFormReceiver>& all, const Appearance& appearance, double lod);
   bool empty() const {
     return std::ranges::all_of(lists_, [](const List& list) { return list.receivers.empty(); });
   }

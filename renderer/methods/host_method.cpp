@@ -33,7 +33,8 @@ LightField absolute(const LightField& light_field) {
 /// The closed form in the methods' role; the reference is that without a level of detail.
 class ClosedFormOnHost final : public HostMethod {
  public:
-  ClosedFormOnHost(const LightField& light_field, double lod) : light_field_(light_field), form_(light_field, lod) {}
+  ClosedFormOnHost(const LightField& light_field, double lod)
+      : light_field_(light_field), lod_(lod), form_(light_field, lod) {}
 
   using HostMethod::estimate;
 
@@ -69,10 +70,12 @@ class ClosedFormOnHost final : public HostMethod {
   /// Subtiles of a tile: as many as the lobe asks for, as kernels have it, or the most.
   int division(const Receiver& receiver, const Look& look) const {
     if (finest_) return most_division;
-    return gloss_division(TileGrid(light_field_.geometry().sampling), receiver, look.lobe, light_is_even(look));
+    return gloss_division(TileGrid(light_field_.geometry().sampling), receiver, look.lobe, light_is_even(look),
+                          gloss_tolerance(lod_));
   }
 
   LightField light_field_;
+  double lod_;
   bool finest_ = false;
   ClosedForm form_;
   mutable std::once_flag once_;

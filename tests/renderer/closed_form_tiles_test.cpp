@@ -138,7 +138,8 @@ void ClosedFormTilesOf::expect_as_host(const Appearance& appearance, double tole
   std::map<std::string, double> worst;
   for (std::size_t k = 0; k < receivers_.size(); ++k) {
     const GlossLobe lobe = appearance.gloss.empty() ? GlossLobe{} : appearance.gloss[k];
-    const int division = gloss_division(grid, receivers_[k], lobe, light_is_even(appearance.look(k)));
+    const int division =
+        gloss_division(grid, receivers_[k], lobe, light_is_even(appearance.look(k)), gloss_tolerance(lod));
     const std::vector<double> host = form.light(receivers_[k], appearance.look(k), division);
     const std::vector<double> light = magnitude.light(receivers_[k], {.lobe = lobe, .sees = {}}, division);
     for (std::size_t c = 0; c < host.size(); ++c) {
