@@ -46,7 +46,7 @@ ShadowMesh::ShadowMesh(const Mesh& mesh) {
   vertices.reserve(triangles.size());
   for (Corners& p : triangles) {
     const auto fresh = std::ranges::find_if(p, [&](const Position& corner) { return !vertex_at.contains(corner); });
-    if (fresh != p.end()) std::ranges::rotate(p, fresh == p.end() - 1 ? p.begin() : fresh + 1);
+    if (fresh != p.end()) std::rotate(p.begin(), fresh == p.end() - 1 ? p.begin() : fresh + 1, p.end());
     vertex_at.try_emplace(p[2], static_cast<std::uint32_t>(vertices.size()));
     vertices.push_back(p[2]);
   }
