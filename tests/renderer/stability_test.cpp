@@ -168,22 +168,32 @@ void expect_forms_wrong_alike_to_fail(const std::vector<Tried>& all) {
   EXPECT_GT(judged_so, 150);
 }
 
-/// With shadows and gloss no row is failed, ours answers wherever it does without them, and to a thousandth.
-TEST_F(Stability, TheTableIsRightInHalfShadowAndWithGloss) {
-  int ok = 0, refused = 0;
-  for (const StabilityLook look : {StabilityLook::half_shadow, StabilityLook::glossy}) {
-    std::vector<Tried> all;
-    for (StabilityCase& each : stability_cases()) try_in(with_look(std::move(each), look), all);
-    for (const Tried& tried : all) {
-      EXPECT_NE(tried.row.outcome, StabilityOutcome::failed) << label(tried);
-      (tried.row.outcome == StabilityOutcome::ok ? ok : refused) += 1;
-      if (std::getenv("LUMIFIELD_PRINT_ERRORS"))
-        std::printf("%-10s %.1e %s\n", std::string(to_string(tried.row.outcome)).c_str(), tried.row.rel_error,
-                    label(tried).c_str());
+/// No row is failed; ours answers wherever it does without shadows and gloss, but where a lobe at grazing angles varies
+/// too much over a tile, and is then right to a hundredth.
+void expect_right_with(StabilityLook look, int least_ok) {
+  int ok = 0;
+  std::vector<Tried> all;
+  for (StabilityCase& each : stability_cases()) try_in(with_look(std::move(each), look), all);
+  for (const Tried& tried : all) {
+    EXPECT_NE(tried.row.outcome, StabilityOutcome::failed) << label(tried);
+    ok += tried.row.outcome == StabilityOutcome::ok;
+    const bool ours = tried.method == Method::closed_form || tried.method == Method::reference;
+    if (!ours || input_is_bad(tried.in.name)) continue;
+    const bool hard = tried.in.name.find("grazing") != std::string::npos || tried.in.name.starts_with("near U");
+    if (look == StabilityLook::half_shadow || !hard) {
+      EXPECT_EQ(tried.row.outcome, StabilityOutcome::ok) << label(tried);
+      EXPECT_LE(tried.row.rel_error, tried.in.lod > 0                     ? 0.05
+                                     : look == StabilityLook::half_shadow ? 1e-6
+                                                                          : 0.01)
+          << label(tried);
     }
   }
-  std::printf("%d ok, %d refused\n", ok, refused);
+  EXPECT_GE(ok, least_ok);
 }
+
+TEST_F(Stability, TheTableIsRightInHalfShadow) { expect_right_with(StabilityLook::half_shadow, 200); }
+
+TEST_F(Stability, TheTableIsRightWithGlossInHalfShadow) { expect_right_with(StabilityLook::glossy, 170); }
 
 TEST_F(Stability, TheTableIsRightAndWouldFindWhatIsWrong) {
   std::vector<Tried> all;
