@@ -1,6 +1,7 @@
 #include "luminaire/scene.h"
 
 #include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
 
 #include "luminaire/file_io.h"
 #include "luminaire/json_reader.h"
@@ -8,9 +9,11 @@
 namespace lumifield {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr std::string_view format = "lumifield-scene";
 constexpr int version = 1;
-constexpr std::size_t most_materials = 10'000, most_luminaires = 1'000;
+constexpr std::size_t most_materials = 10'000;
 
 /// A file named by the scene, inside the scene's folder.
 std::filesystem::path read_path(const JsonValue& at, const std::filesystem::path& folder) {
@@ -59,6 +62,42 @@ SceneCamera read_camera(const JsonValue& at) {
   return c;
 }
 
+Json json_of(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+Json json_of(const SceneCamera& c) {
+  return {{"position_mm", json_of(c.position_mm)},
+          {"target_mm", json_of(c.target_mm)},
+          {"up", json_of(c.up)},
+          {"fov_y_deg", c.fov_y_deg}};
+}
+
+Json json_of(const MaterialOverride& material) {
+  Json json = Json::object();
+  if (material.diffuse) json["diffuse"] = *material.diffuse;
+  if (material.specular) json["specular"] = *material.specular;
+  if (material.roughness) json["roughness"] = *material.roughness;
+  if (material.exponent) json["exponent"] = *material.exponent;
+  return json;
+}
+
+Json json_of(const ScenePlacement& placement) {
+  Json pose = Json::array();
+  for (int k = 0; k < 16; ++k) pose.push_back(placement.pose(k / 4, k % 4));
+  return {{"pose", std::move(pose)}, {"scale", placement.scale}};
+}
+
+/// The name of `file` in a scene file of `folder`.
+Result<std::string> name_in(const std::filesystem::path& folder, const std::filesystem::path& file,
+                            std::string_view member) {
+  std::error_code code;
+  const std::filesystem::path from = std::filesystem::weakly_canonical(folder.empty() ? "." : folder, code);
+  const std::filesystem::path relative = std::filesystem::weakly_canonical(file, code).lexically_relative(from);
+  if (code || relative.empty() || *relative.begin() == "..")
+    return fail("the scene's " + std::string(member) + " " + file.string() + " lies outside the folder",
+                folder.string(), "save the scene beside it or in a folder above, or copy the file there first");
+  return relative.string();
+}
+
 }  // namespace
 
 Result<Scene> parse_scene(std::string_view json, std::string_view name, const std::filesystem::path& folder,
@@ -84,6 +123,32 @@ Result<Scene> read_scene(const std::filesystem::path& file, std::vector<std::str
   const Result<std::string> text = read_file(file, JsonLimits{}.bytes);
   if (!text) return tl::unexpected(text.error());
   return parse_scene(*text, file.string(), file.parent_path(), notes);
+}
+
+Result<std::string> to_json(const Scene& scene, const std::filesystem::path& folder) {
+  Json json{{"format", format}, {"version", version}, {"name", scene.name}};
+  const Result<std::string> mesh = name_in(folder, scene.mesh, "mesh");
+  if (!mesh) return tl::unexpected(mesh.error());
+  json["mesh"] = *mesh;
+  json["materials"] = Json::object();
+  for (const auto& [name, material] : scene.materials) json["materials"][name] = json_of(material);
+  json["camera"] = json_of(scene.camera);
+  json["luminaires"] = Json::array();
+  for (const ScenePlacement& each : scene.luminaires) json["luminaires"].push_back(json_of(each));
+  if (scene.environment) {
+    const Result<std::string> environment = name_in(folder, *scene.environment, "environment");
+    if (!environment) return tl::unexpected(environment.error());
+    json["environment"] = *environment;
+  }
+  std::string text = json_file_text(json);
+  if (const Result<Scene> read = parse_scene(text, "scene", folder); !read) return tl::unexpected(read.error());
+  return text;
+}
+
+Status write_scene(const Scene& scene, const std::filesystem::path& file) {
+  const Result<std::string> text = to_json(scene, file.parent_path());
+  if (!text) return tl::unexpected(text.error());
+  return write_file_durably(file, *text);
 }
 
 }  // namespace lumifield

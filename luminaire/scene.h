@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -32,6 +33,9 @@ struct ScenePlacement {
   double scale = 1;
 };
 
+/// More luminaires are refused.
+inline constexpr std::size_t most_luminaires = 1'000;
+
 /// The scene file ("format": "lumifield-scene", version 1). Paths are resolved and lie inside the file's folder.
 struct Scene {
   std::string name;
@@ -47,5 +51,11 @@ Result<Scene> read_scene(const std::filesystem::path& file, std::vector<std::str
 /// `folder` is where relative paths start.
 Result<Scene> parse_scene(std::string_view json, std::string_view name, const std::filesystem::path& folder,
                           std::vector<std::string>* notes = nullptr);
+
+/// The file's text. Mesh and environment are named relative to `folder`. Errors: one of them lies outside of it; what
+/// parse_scene would refuse.
+Result<std::string> to_json(const Scene& scene, const std::filesystem::path& folder);
+/// On disk as a whole or not at all; read_scene gives the same scene. Errors: those of to_json, the disk's.
+Status write_scene(const Scene& scene, const std::filesystem::path& file);
 
 }  // namespace lumifield

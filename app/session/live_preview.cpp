@@ -85,6 +85,7 @@ void LivePreview::set_scene(Scene scene) {
   impl_->command([&](PreviewCommands& commands) {
     commands.scene = std::move(scene);
     commands.camera.reset();  // the scene's own counts until another comes, at rest
+    commands.placements.reset();
     commands.moving.reset();
   });
 }

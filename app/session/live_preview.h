@@ -78,7 +78,7 @@ class LivePreview {
   /// Joins; takes as long as the piece of work at hand, some 0.1 s.
   ~LivePreview();
 
-  /// The view is then the scene's camera. The cells stay.
+  /// The view is then the scene's camera, and the luminaires stand where it has them. The cells stay.
   void set_scene(Scene scene);
   /// Forgets all cells.
   void set_luminaire(LuminaireGeometry geometry);

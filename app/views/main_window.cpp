@@ -19,6 +19,7 @@
 #include "app/views/cell_view.h"
 #include "app/views/grid_map.h"
 #include "app/views/grid_view.h"
+#include "app/views/lamps_panel.h"
 #include "app/views/notices_panel.h"
 #include "app/views/preview_panel.h"
 #include "app/views/preview_thread.h"
@@ -75,10 +76,12 @@ void MainWindow::make_panels() {
   bench_->set_view(workbench_->scan().bench_view());
   notices_ = new NoticesPanel(this);
   scan_ = new ScanPanel(this);
+  lamps_ = new LampsPanel(preview_->lamps(), this);
   grid_dock_ = make_dock(tr("Grid"), "grid", grid_, Qt::RightDockWidgetArea);
   cell_dock_ = make_dock(tr("Cell"), "cell", cell_, Qt::RightDockWidgetArea);
   bench_dock_ = make_dock(tr("Bench"), "bench", bench_, Qt::RightDockWidgetArea);
   notices_dock_ = make_dock(tr("Notices"), "notices", notices_, Qt::RightDockWidgetArea);
+  lamps_dock_ = make_dock(tr("Lamps"), "lamps", lamps_, Qt::RightDockWidgetArea);
   scan_dock_ = make_dock(tr("Scan"), "scan", scan_, Qt::BottomDockWidgetArea);
   scan_dock_->setTitleBarWidget(new QWidget(this));  // its buttons say what it is
   make_study();
@@ -94,12 +97,12 @@ QDockWidget* MainWindow::make_dock(const QString& title, const QString& name, QW
   return dock;
 }
 
-/// Grid over a tab of cell, bench and notices at the right; the scan along the whole bottom.
+/// Grid over a tab of cell, bench, notices and lamps at the right; the scan along the whole bottom.
 void MainWindow::lay_out() {
   setCorner(Qt::BottomRightCorner, Qt::BottomDockWidgetArea);
   setCorner(Qt::BottomLeftCorner, Qt::BottomDockWidgetArea);
   // Never all of them below each other: the window would grow to hold them.
-  const std::array docks{grid_dock_, cell_dock_, bench_dock_, notices_dock_, scan_dock_};
+  const std::array docks{grid_dock_, cell_dock_, bench_dock_, notices_dock_, lamps_dock_, scan_dock_};
   for (QDockWidget* dock : docks) {
     dock->setFloating(false);
     removeDockWidget(dock);
@@ -109,6 +112,7 @@ void MainWindow::lay_out() {
   splitDockWidget(grid_dock_, cell_dock_, Qt::Vertical);
   tabifyDockWidget(cell_dock_, bench_dock_);
   tabifyDockWidget(bench_dock_, notices_dock_);
+  tabifyDockWidget(notices_dock_, lamps_dock_);
   for (QDockWidget* dock : docks) dock->show();
   lay_out_study();
   bench_dock_->raise();

@@ -20,6 +20,7 @@ namespace lumifield {
 class BenchPanel;
 class CellView;
 class GridView;
+class LampsPanel;
 class NoticesPanel;
 class PreviewPanel;
 class PreviewThread;
@@ -70,6 +71,7 @@ class MainWindow : public QMainWindow {
   void lay_out();
   void lay_out_study();
   void show_study_dock();
+  static void show_dock(QDockWidget* dock);
   static bool is_study(const QString& path);
   void restore();
   void save() const;
@@ -92,8 +94,9 @@ class MainWindow : public QMainWindow {
   NoticesPanel* notices_;
   ScanPanel* scan_;
   StudyPanel* study_ = nullptr;
+  LampsPanel* lamps_ = nullptr;
   QDockWidget *grid_dock_ = nullptr, *cell_dock_ = nullptr, *bench_dock_ = nullptr, *notices_dock_ = nullptr,
-              *scan_dock_ = nullptr, *study_dock_ = nullptr;
+              *scan_dock_ = nullptr, *study_dock_ = nullptr, *lamps_dock_ = nullptr;
   QMenu* recent_menu_ = nullptr;
   QActionGroup* themes_ = nullptr;
   QAction* retake_ = nullptr;

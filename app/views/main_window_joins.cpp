@@ -49,6 +49,7 @@ void MainWindow::join_preview() {
     device_label_->setToolTip(tr("Pictures are made with %1 and %2").arg(device, QString::fromStdString(info.opengl)));
   });
   connect(preview_, &PreviewPanel::sceneChosen, this, &MainWindow::show_scene);
+  connect(preview_, &PreviewPanel::lampsWanted, this, [this] { show_dock(lamps_dock_); });
   connect(preview_, &PreviewPanel::noticed, notices_, &NoticesPanel::add);
   connect(workbench_.get(), &Workbench::sceneRead, preview_,
           [this](const Scene& scene, const QString& file) { preview_->set_scene(scene, file.toStdString()); });

@@ -67,13 +67,12 @@ void MainWindow::make_view_menu() {
   int number = 1;
   for (QDockWidget* dock : {grid_dock_, cell_dock_, bench_dock_, notices_dock_, scan_dock_}) {
     view->addAction(dock->windowTitle(), QKeySequence(Qt::ALT | static_cast<Qt::Key>(Qt::Key_0 + number++)), dock,
-                    [dock] {
-                      dock->show();
-                      dock->raise();
-                    });
+                    [dock] { show_dock(dock); });
   }
   view->addAction(study_dock_->windowTitle(), QKeySequence(Qt::ALT | static_cast<Qt::Key>(Qt::Key_0 + number)), this,
                   &MainWindow::show_study_dock);
+  view->addAction(lamps_dock_->windowTitle(), QKeySequence(Qt::ALT | static_cast<Qt::Key>(Qt::Key_0 + number + 1)),
+                  this, [this] { show_dock(lamps_dock_); });
   view->addAction(tr("&Reset layout"), this, &MainWindow::lay_out);
   QMenu* themes = view->addMenu(tr("&Theme"));
   themes_ = new QActionGroup(this);
@@ -85,6 +84,11 @@ void MainWindow::make_view_menu() {
     action->setChecked(theme == now);
     themes_->addAction(action);
   }
+}
+
+void MainWindow::show_dock(QDockWidget* dock) {
+  dock->show();
+  dock->raise();
 }
 
 void MainWindow::show_recent() {
@@ -107,6 +111,10 @@ void MainWindow::show_keys() {
       "<tr><td><b>drag, arrow keys</b></td><td>orbit the preview; with Shift or the right button, move it; R: the "
       "scene's own view</td></tr>"
       "<tr><td><b>wheel, + and −</b></td><td>zoom</td></tr>"
+      "<tr><td><b>drag a lamp</b></td><td>move it across the view; with Shift along its beam; with Ctrl, or by its "
+      "arrow's tip, turn it; Esc cancels</td></tr>"
+      "<tr><td><b>L, then arrow keys</b></td><td>choose a lamp and move it; with Shift along its beam; with Ctrl turn "
+      "it; Esc ends it</td></tr>"
       "<tr><td><b>arrow keys in the grid</b></td><td>choose a cell; Enter shows it</td></tr>");
   QMessageBox(QMessageBox::NoIcon, tr("Keys"), "<table>" + keys.join(QString()) + "</table>", QMessageBox::Close, this)
       .exec();

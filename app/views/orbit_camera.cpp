@@ -10,7 +10,8 @@ namespace {
 
 constexpr double rad_per_deg = std::numbers::pi / 180;
 
-/// Right-handed axes whose third is along `up`; x and y themselves for up = z.
+}  // namespace
+
 Eigen::Matrix3d upright_axes(const Vec3& up) {
   const Vec3 z = up.normalized();
   const Vec3 start = std::abs(z.x()) <= 0.9 ? Vec3::UnitX() : Vec3::UnitY();
@@ -20,8 +21,6 @@ Eigen::Matrix3d upright_axes(const Vec3& up) {
   axes.col(1) = z.cross(axes.col(0));
   return axes;
 }
-
-}  // namespace
 
 OrbitCamera::OrbitCamera(const SceneCamera& home) : home_(home) { reset(); }
 

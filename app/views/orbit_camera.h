@@ -5,6 +5,9 @@
 
 namespace lumifield {
 
+/// Right-handed axes whose third is along `up`, of any length; x and y themselves for up = z.
+Eigen::Matrix3d upright_axes(const Vec3& up);
+
 /// A camera on a sphere around its target: the direction from target to eye is given by azimuth (about the scene's up,
 /// counter-clockwise seen from above) and elevation. Up is any direction; the view's up and angle stay the scene's.
 /// Pixels are those of the shown picture, x to the right, y down; any pixel will do as long as the height is given in

@@ -52,6 +52,7 @@ void PreviewMethodBar::add_methods(QHBoxLayout* row) {
     methods_->setItemData(methods_->count() - 1, text_of(each.what), Qt::ToolTipRole);
   }
   methods_->setAccessibleName(tr("Method that computes the light"));
+  methods_->setMinimumWidth(methods_->fontMetrics().horizontalAdvance("position-dependent"));  // the others give way
   samples_->setLocale(QLocale::c());
   samples_->setRange(1, most_offered);
   samples_->setValue(static_cast<int>(method_.samples));

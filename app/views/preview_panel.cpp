@@ -8,6 +8,7 @@
 #include <QVBoxLayout>
 
 #include "app/views/elided_label.h"
+#include "app/views/lamp_arrangement.h"
 #include "app/views/picture_saver.h"
 #include "app/views/preview_inbox.h"
 #include "app/views/preview_look_bar.h"
@@ -35,8 +36,11 @@ PreviewPanel::PreviewPanel(QWidget* parent)
       scenes_(new SceneMenu(this)),
       saver_(new PictureSaver(this)),
       status_(new ElidedLabel(this)),
+      lamps_(new QAction(tr("&Lamps"), this)),
       reset_(new QAction("&Reset view", this)),
       save_(new QAction("&Save picture…", this)) {
+  lamps_->setToolTip(tr("Where the scene's lamps stand: a list with numbers, lamps to add and remove"));
+  reset_->setIconText("Reset");
   reset_->setToolTip("Back to the scene's own camera (double click, R)");
   save_->setToolTip("Save the picture: PNG as it is shown, or EXR with its linear values");
   save_->setIconText("Save…");
@@ -54,10 +58,14 @@ PreviewPanel::PreviewPanel(QWidget* parent)
   set_tab_order();
 
   connect(scenes_, &SceneMenu::sceneChosen, this, &PreviewPanel::sceneChosen);
+  connect(scenes_->save_action(), &QAction::triggered, this, &PreviewPanel::ask_for_scene_file);
+  connect(lamps_, &QAction::triggered, this, &PreviewPanel::lampsWanted);
   connect(reset_, &QAction::triggered, view_, &PreviewView::reset_view);
   connect(save_, &QAction::triggered, this, &PreviewPanel::ask_for_file);
   connect(saver_, &PictureSaver::noticed, this, &PreviewPanel::noticed);
-  connect(saver_, &PictureSaver::busyChanged, this, [this](bool busy) { save_->setEnabled(!busy && view_->frame()); });
+  connect(saver_, &PictureSaver::busyChanged, this, &PreviewPanel::allow_saving);
+  connect(saver_, &PictureSaver::sceneSaved, this,
+          [this](const QString& file) { scenes_->set_scenes({file.toStdString()}); });
   connect(view_, &PreviewView::pointed, this, [this](const QString& value) {
     value_ = value;
     show_notes();
@@ -75,11 +83,13 @@ void PreviewPanel::make_tools() {
   scene_button_->setFocusPolicy(Qt::TabFocus);
   scene_button_->setToolTip("The scene that the luminaire lights");
   scene_button_->setAccessibleName("Scene");
+  QToolButton* lamps = button_of(lamps_, tools_);
   auto* colours = new QCheckBox("False colour", tools_);
   colours->setToolTip(look_->false_colour_action()->toolTip());
   connect(colours, &QCheckBox::toggled, look_->false_colour_action(), &QAction::setChecked);
   connect(look_->false_colour_action(), &QAction::toggled, colours, &QCheckBox::setChecked);
   row->addWidget(scene_button_);
+  row->addWidget(lamps);
   row->addStretch(1);
   row->addWidget(colours);
   row->addWidget(button_of(reset_, tools_));
@@ -107,6 +117,8 @@ void PreviewPanel::connect_to(PreviewInbox& inbox, LivePreview& live) {
   // The inbox's end ends what is told to the render thread too.
   connect(view_, &PreviewView::cameraChanged, &inbox,
           [&live](const SceneCamera& camera, bool moving) { live.set_camera(camera, moving); });
+  connect(&view_->lamps(), &LampArrangement::placed, &inbox,
+          [&live](const std::vector<ScenePlacement>& lamps, bool moving) { live.set_placements(lamps, moving); });
   connect(view_, &PreviewView::sizeWanted, &inbox, [&live](int width, int height) { live.set_size(width, height); });
   connect(look_, &PreviewLookBar::lookChanged, &inbox, [&live](const PreviewLook& look) { live.set_look(look); });
   connect(method_, &PreviewMethodBar::methodChanged, &inbox,
@@ -129,22 +141,31 @@ void PreviewPanel::set_scene(const Scene& scene, const std::filesystem::path& fi
   scene_button_->setToolTip("The scene that the luminaire lights: " + QString::fromStdString(file.string()));
   info_ = {};
   show_notes();
-  view_->set_scene(scene.camera);
-  save_->setEnabled(false);
+  scene_ = scene;
+  scene_file_ = file;
+  view_->set_scene(scene.camera, scene.luminaires);
+  allow_saving();
 }
 
 void PreviewPanel::set_luminaire(const LuminaireGeometry& geometry) {
   look_->set_quantity(geometry.quantity);
   view_->set_luminaire(geometry);
-  save_->setEnabled(false);
+  allow_saving();
 }
 
 void PreviewPanel::show_frame(const std::shared_ptr<const PreviewFrame>& frame) {
   if (awaits_scene_) return;
   view_->show_frame(frame);
   look_->set_frame(*frame);
-  save_->setEnabled(!saver_->busy());
+  allow_saving();
 }
+
+void PreviewPanel::allow_saving() {
+  save_->setEnabled(!saver_->busy() && view_->frame());
+  scenes_->save_action()->setEnabled(!saver_->busy() && scene_);
+}
+
+LampArrangement& PreviewPanel::lamps() { return view_->lamps(); }
 
 void PreviewPanel::show_ready(const RendererInfo& info) {
   awaits_scene_ = false;
@@ -181,8 +202,30 @@ void PreviewPanel::save_picture(const std::filesystem::path& file) {
   emit noticed({OperatorNotice::Level::fault, QString::fromStdString(error.message())});
 }
 
+void PreviewPanel::ask_for_scene_file() {
+  // Where its mesh is found.
+  auto* dialog = new QFileDialog(this, tr("Save scene"), QString::fromStdString(scene_file_.parent_path().string()),
+                                 tr("Scenes (*.json)"));
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setAcceptMode(QFileDialog::AcceptSave);
+  dialog->setDefaultSuffix("json");
+  connect(dialog, &QFileDialog::fileSelected, this, [this](const QString& file) { save_scene(file.toStdString()); });
+  dialog->open();
+}
+
+void PreviewPanel::save_scene(const std::filesystem::path& file) {
+  if (!scene_) return;
+  Scene scene = *scene_;
+  if (file.lexically_normal() != scene_file_.lexically_normal()) scene.name = file.stem().string();
+  scene.camera = view_->orbit().camera();
+  scene.luminaires = lamps().lamps();
+  saver_->save(scene, file);
+}
+
 QList<QAction*> PreviewPanel::panel_actions() const {
   return {scenes_->open_action(),
+          scenes_->save_action(),
+          lamps_,
           reset_,
           look_->brighter_action(),
           look_->darker_action(),

@@ -4,6 +4,7 @@
 #include <QWidget>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "app/session/live_preview.h"
 #include "app/views/operator_notice.h"
@@ -14,6 +15,7 @@ class QToolButton;
 namespace lumifield {
 
 class ElidedLabel;
+class LampArrangement;
 class PictureSaver;
 class PreviewInbox;
 class PreviewLookBar;
@@ -21,16 +23,16 @@ class PreviewMethodBar;
 class PreviewView;
 class SceneMenu;
 
-/// The preview with its tools: scene, exposure or false colours, method, view, saving; below, the value under the
-/// cursor or what the picture leaves out. GUI thread.
+/// The preview with its tools: scene, lamps, exposure or false colours, method, view, saving; below, the value under
+/// the cursor or what the picture leaves out. GUI thread.
 class PreviewPanel : public QWidget {
   Q_OBJECT
 
  public:
   explicit PreviewPanel(QWidget* parent = nullptr);
 
-  /// Shows what the render thread says, but late frames of a former luminaire, and tells it camera, size, look and
-  /// method from now on. Both outlive the panel's use of them.
+  /// Shows what the render thread says, but late frames of a former luminaire, and tells it camera, lamps, size,
+  /// look and method from now on. Both outlive the panel's use of them.
   void connect_to(PreviewInbox& inbox, LivePreview& live);
 
   /// Scene files to choose from, besides those opened.
@@ -44,24 +46,31 @@ class PreviewPanel : public QWidget {
   void show_failure(const Error& error);
   /// Writes the latest picture, PNG or EXR by the name's end; `noticed` tells how it went.
   void save_picture(const std::filesystem::path& file);
+  /// Writes the scene as it is seen and lit now; `noticed` tells how it went. Mesh and environment stay where they are.
+  void save_scene(const std::filesystem::path& file);
 
   PreviewView& view() { return *view_; }
   PreviewLookBar& look_bar() { return *look_; }
   PreviewMethodBar& method_bar() { return *method_; }
-  /// For a menu, with mnemonics and without keys: open scene, reset view, brighter, darker, hold average, false colour,
-  /// save picture.
+  LampArrangement& lamps();
+  /// For a menu, with mnemonics and without keys: open scene, save scene, lamps, reset view, brighter, darker, hold
+  /// average, false colour, save picture.
   QList<QAction*> panel_actions() const;
   SceneMenu* scene_menu() const { return scenes_; }
 
  signals:
   void sceneChosen(const QString& file);
   void noticed(const lumifield::OperatorNotice& notice);
+  /// The list of the lamps is to be seen.
+  void lampsWanted();
 
  private:
   void make_tools();
   void set_tab_order();
   void show_notes();
   void ask_for_file();
+  void ask_for_scene_file();
+  void allow_saving();
 
   PreviewView* view_;
   PreviewLookBar* look_;
@@ -71,7 +80,9 @@ class PreviewPanel : public QWidget {
   ElidedLabel* status_;
   QWidget* tools_ = nullptr;
   QToolButton* scene_button_ = nullptr;
-  QAction *reset_, *save_;
+  QAction *lamps_, *reset_, *save_;
+  std::optional<Scene> scene_;  ///< as its file has it
+  std::filesystem::path scene_file_;
   RendererInfo info_;
   QString value_;  ///< under the cursor
   bool awaits_scene_ = false;

@@ -3,6 +3,7 @@
 #include <QStringList>
 #include <algorithm>
 
+#include "app/views/lamp_pose.h"
 #include "app/views/value_text.h"
 
 namespace lumifield {
@@ -47,6 +48,41 @@ QString pixel_text(const Picture& picture, int i, int j, Quantity quantity) {
   if (rgb[0] != rgb[1] || rgb[1] != rgb[2])
     text += " · R " + value_text(rgb[0]) + " G " + value_text(rgb[1]) + " B " + value_text(rgb[2]);
   return text;
+}
+
+namespace {
+
+/// So many decimals at most, without zeros at the end; never "−0".
+QString short_number(double value, int decimals) {
+  QString text = QString::number(value, 'f', decimals);
+  while (text.contains('.') && (text.endsWith('0') || text.endsWith('.'))) text.chop(1);
+  if (text == "-0") text = "0";
+  return text.replace('-', QChar(0x2212));
+}
+
+}  // namespace
+
+QString lamp_place(int number, const ScenePlacement& lamp) {
+  return QString("Lamp %1 at %2, %3, %4 mm")
+      .arg(number + 1)
+      .arg(short_number(lamp.pose(0, 3), 1), short_number(lamp.pose(1, 3), 1), short_number(lamp.pose(2, 3), 1));
+}
+
+QString lamp_text(int number, const ScenePlacement& lamp, const Vec3& up) {
+  const LampAngles angles = angles_of(lamp.pose, up);
+  return lamp_place(number, lamp) + QString(" · yaw %1° · pitch %2° · roll %3° · scale %4")
+                                        .arg(short_number(angles.yaw_deg, 1), short_number(angles.pitch_deg, 1),
+                                             short_number(angles.roll_deg, 1), value_text(lamp.scale));
+}
+
+QString placements_text(const std::vector<ScenePlacement>& lamps) {
+  QStringList all;
+  for (const ScenePlacement& lamp : lamps) {
+    QStringList pose;
+    for (int k = 0; k < 16; ++k) pose << QString::number(lamp.pose(k / 4, k % 4), 'g', 12);
+    all << "[" + pose.join(", ") + "] " + QString::number(lamp.scale, 'g', 12);
+  }
+  return "luminaires (pose row by row, mm; scale): " + all.join(", ");
 }
 
 }  // namespace lumifield

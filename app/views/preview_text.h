@@ -16,4 +16,10 @@ QString missing_text(const PreviewFrame& frame);
 /// 0.2126 R + 0.7152 G + 0.0722 B, BT.709's weights on the camera's primaries; without the bands where they are alike;
 /// "background" where no surface is seen.
 QString pixel_text(const Picture& picture, int i, int j, Quantity quantity);
+/// "Lamp 1 at 1000, 1000, 760 mm · yaw −135° · pitch −21.3° · roll 0° · scale 1"; `number` counts from 0.
+QString lamp_text(int number, const ScenePlacement& lamp, const Vec3& up);
+/// "Lamp 1 at 1000, 1000, 760 mm".
+QString lamp_place(int number, const ScenePlacement& lamp);
+/// "luminaires (pose row by row, mm; scale): [1, 0, …] 1, [1, 0, …] 0.5".
+QString placements_text(const std::vector<ScenePlacement>& lamps);
 }  // namespace lumifield

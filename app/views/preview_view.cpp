@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "app/views/lamp_paint.h"
 #include "app/views/preview_paint.h"
 #include "app/views/preview_text.h"
 #include "app/views/value_text.h"
@@ -34,7 +35,7 @@ bool alike(const QSize& picture, const QSize& place) {
 
 }  // namespace
 
-PreviewView::PreviewView(QWidget* parent) : QWidget(parent) {
+PreviewView::PreviewView(QWidget* parent) : QWidget(parent), lamps_(new LampArrangement(this)), grip_(*lamps_) {
   setMouseTracking(true);
   setFocusPolicy(Qt::StrongFocus);
   setCursor(Qt::CrossCursor);
@@ -45,13 +46,15 @@ PreviewView::PreviewView(QWidget* parent) : QWidget(parent) {
   }
   connect(&rest_, &QTimer::timeout, this, [this] { emit cameraChanged(orbit_.camera(), false); });
   connect(&size_rest_, &QTimer::timeout, this, &PreviewView::want_size);
+  watch_lamps();
   say_state();
 }
 
-void PreviewView::set_scene(const SceneCamera& home) {
+void PreviewView::set_scene(const SceneCamera& home, const std::vector<ScenePlacement>& lamps) {
   rest_.stop();
   set_drag(Drag::none);
   orbit_ = OrbitCamera(home);
+  lamps_->set_scene(lamps, home.up);
   has_scene_ = true;
   failure_.reset();
   show_frame(nullptr);
@@ -59,6 +62,7 @@ void PreviewView::set_scene(const SceneCamera& home) {
 
 void PreviewView::set_luminaire(const LuminaireGeometry& geometry) {
   quantity_ = geometry.quantity;
+  lamps_->set_shape(shape_of(geometry.sampling));
   show_frame(nullptr);
 }
 
@@ -67,6 +71,7 @@ void PreviewView::show_frame(std::shared_ptr<const PreviewFrame> frame) {
   frame_ = std::move(frame);
   scaled_ = QPixmap();
   say_state();
+  point_at_lamps();
   tell_pointed();
   update();
 }
@@ -86,6 +91,8 @@ void PreviewView::say_state() {
     said << "no luminaire";
   else if (frame_)
     said << QString("%1 of %2 cells").arg(frame_->cells).arg(frame_->total);
+  if (frame_ && lamps_->chosen() >= 0)
+    said << lamp_text(lamps_->chosen(), lamps_->lamp(lamps_->chosen()), lamps_->up());
   if (frame_ && frame_->cells < frame_->total) said << missing_text(*frame_);
   const QString text = said.join("; ");
   if (text != accessibleDescription()) setAccessibleDescription(text);
@@ -112,6 +119,7 @@ void PreviewView::want_size() {
 }
 
 void PreviewView::tell_pointed() {
+  if (const QString words = lamp_words(); !words.isEmpty()) return emit pointed(words);
   const QRectF rect = picture_rect();
   if (!cursor_inside_ || !rect.contains(cursor_) || !frame_->radiance) return emit pointed({});
   // A coarse picture's values, at the places of the full one.
@@ -176,6 +184,7 @@ void PreviewView::draw_picture(QPainter& painter) {
     scaled_.setDevicePixelRatio(ratio);
   }
   painter.drawPixmap(at.topLeft(), scaled_);
+  if (const auto view = projection()) draw_lamps(painter, *view, grip_.handles(*view), grip_.at(), lamps_->chosen());
   QString warning = missing_text(*frame_);
   if (failure_) warning.prepend(QString::fromStdString(failure_->message()) + "\n");
   const double strip = draw_strip(painter, rect(), warning.trimmed(), progress_text(*frame_));

@@ -8,13 +8,18 @@
 #include <optional>
 
 #include "app/session/live_preview.h"
+#include "app/views/lamp_grip.h"
 #include "app/views/orbit_camera.h"
 
 namespace lumifield {
 
 /// The canvas of the preview: the latest picture, as large as fits, and what there is to know about it; it never shows
 /// light that is not measured, and says what is missing. Left drag and arrow keys orbit; right, middle or shift drag
-/// and shift + arrow keys pan; wheel and + − zoom; double click or R goes back to the scene's own camera. GUI thread.
+/// and shift + arrow keys pan; wheel and + − zoom; double click or R goes back to the scene's own camera.
+///
+/// Each luminaire has a handle over the picture. Dragged, it moves across the view, with Shift along its beam; with
+/// Ctrl, or by its arrow's tip, it turns; Esc cancels. A click chooses it, as does L: then arrow keys move it, with
+/// Shift along its beam, and with Ctrl turn it, until Esc or a click beside it. GUI thread.
 class PreviewView : public QWidget {
   Q_OBJECT
 
@@ -27,8 +32,8 @@ class PreviewView : public QWidget {
 
   explicit PreviewView(QWidget* parent = nullptr);
 
-  /// Another scene, seen by its own camera. Its picture comes with the next frame.
-  void set_scene(const SceneCamera& home);
+  /// Another scene, seen by its own camera, and its luminaires. Its picture comes with the next frame.
+  void set_scene(const SceneCamera& home, const std::vector<ScenePlacement>& lamps = {});
   void set_luminaire(const LuminaireGeometry& geometry);
   void show_frame(std::shared_ptr<const PreviewFrame> frame);
   /// Said until the next frame; an older picture stays below it.
@@ -37,6 +42,7 @@ class PreviewView : public QWidget {
   /// Null while there is none.
   const std::shared_ptr<const PreviewFrame>& frame() const { return frame_; }
   const OrbitCamera& orbit() const { return orbit_; }
+  LampArrangement& lamps() { return *lamps_; }
   /// Where the picture stands, logical pixels; empty without one.
   QRectF picture_rect() const;
   /// The last `sizeWanted`; empty before it.
@@ -52,7 +58,7 @@ class PreviewView : public QWidget {
   void cameraChanged(const lumifield::SceneCamera& camera, bool moving);
   /// Size of the full picture, once the widget's size rests.
   void sizeWanted(int width_px, int height_px);
-  /// The value under the cursor; empty when there is none.
+  /// The value under the cursor, or what can be done with the lamp there; empty when there is none.
   void pointed(const QString& text);
   /// A frame is on the screen's way for the first time.
   void painted(const std::shared_ptr<const lumifield::PreviewFrame>& frame);
@@ -67,10 +73,12 @@ class PreviewView : public QWidget {
   void leaveEvent(QEvent* event) override;
   void wheelEvent(QWheelEvent* event) override;
   void keyPressEvent(QKeyEvent* event) override;
+  bool event(QEvent* event) override;
 
  private:
-  enum class Drag { none, orbit, pan };
+  enum class Drag { none, orbit, pan, lamp };
   void set_drag(Drag drag);
+  void show_cursor();
   void camera_moved();
   void want_size();
   void tell_pointed();
@@ -80,12 +88,25 @@ class PreviewView : public QWidget {
   void draw_picture(QPainter& painter);
   void draw_reason(QPainter& painter);
 
+  // preview_view_lamps.cpp
+  std::optional<PictureProjection> projection() const;
+  void watch_lamps();
+  bool press_lamp(QMouseEvent* event);
+  bool lamp_key(const QKeyEvent* event);
+  bool lamp_arrow(const QKeyEvent* event);
+  void point_at_lamps();
+  QString lamp_words() const;
+
   std::shared_ptr<const PreviewFrame> frame_, painted_frame_;
   QPixmap scaled_;  ///< frame_ in the widget's device pixels; null when it is to be made
   std::optional<Error> failure_;
   bool has_scene_ = false;
   std::optional<Quantity> quantity_;  ///< empty without a luminaire
   OrbitCamera orbit_;
+  LampArrangement* lamps_;
+  LampGrip grip_;
+  bool dragged_ = false;       ///< since the button was pressed
+  bool lamp_stepped_ = false;  ///< by a key, since the cursor moved
   Drag drag_ = Drag::none;
   QPointF cursor_;
   bool cursor_inside_ = false;

@@ -8,11 +8,18 @@ namespace lumifield {
 
 void PreviewView::set_drag(Drag drag) {
   drag_ = drag;
-  setCursor(drag == Drag::none ? Qt::CrossCursor : Qt::ClosedHandCursor);
+  dragged_ = false;
+  show_cursor();
+}
+
+void PreviewView::show_cursor() {
+  if (drag_ != Drag::none) return setCursor(Qt::ClosedHandCursor);
+  if (!grip_.at()) return setCursor(Qt::CrossCursor);
+  setCursor(grip_.at()->part == LampPart::tip ? Qt::PointingHandCursor : Qt::OpenHandCursor);
 }
 
 void PreviewView::mousePressEvent(QMouseEvent* event) {
-  if (!has_scene_) return;
+  if (!has_scene_ || press_lamp(event)) return;
   const bool pan = event->button() != Qt::LeftButton || event->modifiers().testFlag(Qt::ShiftModifier);
   set_drag(pan ? Drag::pan : Drag::orbit);
   cursor_ = event->position();
@@ -22,8 +29,12 @@ void PreviewView::mouseMoveEvent(QMouseEvent* event) {
   const QPointF moved = event->position() - cursor_;
   cursor_ = event->position();
   cursor_inside_ = true;
+  lamp_stepped_ = false;
+  if (drag_ == Drag::lamp) grip_.drag({cursor_.x(), cursor_.y()});
+  if (drag_ == Drag::none) point_at_lamps();
   tell_pointed();
-  if (drag_ == Drag::none || moved.isNull()) return;
+  if (drag_ == Drag::none || drag_ == Drag::lamp || moved.isNull()) return;
+  dragged_ = true;
   // What is before the target follows the cursor.
   if (drag_ == Drag::orbit)
     orbit_.orbit(-orbit_deg_per_px * moved.x(), orbit_deg_per_px * moved.y());
@@ -33,15 +44,21 @@ void PreviewView::mouseMoveEvent(QMouseEvent* event) {
 }
 
 void PreviewView::mouseReleaseEvent(QMouseEvent* event) {
-  if (event->buttons() == Qt::NoButton) set_drag(Drag::none);
+  if (event->buttons() != Qt::NoButton) return;
+  grip_.release();
+  if (drag_ == Drag::orbit && !dragged_) lamps_->choose(-1);
+  set_drag(Drag::none);
+  point_at_lamps();
+  tell_pointed();
 }
 
 void PreviewView::mouseDoubleClickEvent(QMouseEvent* event) {
-  if (event->button() == Qt::LeftButton) reset_view();
+  if (event->button() == Qt::LeftButton && !press_lamp(event)) reset_view();
 }
 
 void PreviewView::leaveEvent(QEvent*) {
   cursor_inside_ = false;
+  point_at_lamps();
   tell_pointed();
 }
 
@@ -55,6 +72,7 @@ void PreviewView::wheelEvent(QWheelEvent* event) {
 }
 
 void PreviewView::keyPressEvent(QKeyEvent* event) {
+  if (lamp_key(event)) return;
   const bool pan = event->modifiers().testFlag(Qt::ShiftModifier);
   const auto move_eye = [&](double right, double up) {
     if (pan)

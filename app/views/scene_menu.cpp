@@ -23,6 +23,9 @@ SceneMenu::SceneMenu(QWidget* parent) : QMenu("&Scene", parent), scenes_(new QAc
   before_ = addSeparator();
   open_ = addAction("&Open scene…");
   open_->setToolTip("Open a scene file (JSON, format lumifield-scene)");
+  save_ = addAction(tr("Save s&cene as…"));
+  save_->setToolTip(tr("Save camera and lamps as they are now as a scene file, beside the scene's mesh or above"));
+  save_->setEnabled(false);
   connect(open_, &QAction::triggered, this, &SceneMenu::ask);
 }
 

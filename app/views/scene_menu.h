@@ -6,7 +6,8 @@
 
 namespace lumifield {
 
-/// Scene files to choose from: those given, those opened since, and one more from the disk. GUI thread.
+/// Scene files to choose from: those given, those opened since, and one more from the disk; and the scene of now to be
+/// saved. GUI thread.
 class SceneMenu : public QMenu {
   Q_OBJECT
 
@@ -17,6 +18,7 @@ class SceneMenu : public QMenu {
   /// Marks the one that is shown, and keeps it in the menu.
   void set_current(const std::filesystem::path& file);
   QAction* open_action() const { return open_; }
+  QAction* save_action() const { return save_; }
 
  signals:
   void sceneChosen(const QString& file);
@@ -25,7 +27,7 @@ class SceneMenu : public QMenu {
   QAction* add_scene(const std::filesystem::path& file);
   void ask();
 
-  QAction *before_, *open_;
+  QAction *before_, *open_, *save_;
   QActionGroup* scenes_;
 };
 

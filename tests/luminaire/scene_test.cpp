@@ -1,5 +1,6 @@
 #include "luminaire/scene.h"
 
+#include <cmath>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -76,6 +77,73 @@ TEST_F(SceneFile, KeepsPathsInsideTheFolder) {
   EXPECT_THAT(refusal_with("/mesh", "outside/passwd"), HasSubstr("mesh: is a link that leads out of the folder"));
   fs::create_symlink("meshes", folder_ / "inside");
   EXPECT_EQ(refusal_with("/mesh", "inside/room.obj"), "accepted");
+}
+
+void expect_same(const Scene& a, const Scene& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.mesh, b.mesh);
+  EXPECT_EQ(a.environment, b.environment);
+  ASSERT_EQ(a.materials.size(), b.materials.size());
+  for (const auto& [name, material] : a.materials) {
+    const MaterialOverride& other = b.materials.at(name);
+    EXPECT_EQ(material.diffuse, other.diffuse);
+    EXPECT_EQ(material.specular, other.specular);
+    EXPECT_EQ(material.roughness, other.roughness);
+    EXPECT_EQ(material.exponent, other.exponent);
+  }
+  EXPECT_EQ(a.camera.position_mm, b.camera.position_mm);
+  EXPECT_EQ(a.camera.target_mm, b.camera.target_mm);
+  EXPECT_EQ(a.camera.up, b.camera.up);
+  EXPECT_EQ(a.camera.fov_y_deg, b.camera.fov_y_deg);
+  ASSERT_EQ(a.luminaires.size(), b.luminaires.size());
+  for (std::size_t k = 0; k < a.luminaires.size(); ++k) {
+    EXPECT_EQ(a.luminaires[k].pose, b.luminaires[k].pose);
+    EXPECT_EQ(a.luminaires[k].scale, b.luminaires[k].scale);
+  }
+}
+
+TEST_F(SceneFile, IsReadBackAsItWasWritten) {
+  Scene scene = *parse_scene(documented, "scene.json", folder_);
+  scene.name = "two lamps";
+  scene.materials["paint"].specular = {0.04, 0.05, 1.0 / 3};
+  scene.materials["paint"].roughness = 0.3;
+  scene.materials["old paint"].exponent = 12.5;
+  ScenePlacement turned = scene.luminaires[0];
+  const double c = std::cos(0.1), s = std::sin(0.1);
+  turned.pose << c, -s, 0, 1.0 / 3, s, c, 0, -2.5e-7, 0, 0, 1, 1234.5678901234567, 0, 0, 0, 1;
+  turned.scale = 0.1;
+  scene.luminaires.push_back(turned);
+  ASSERT_TRUE(write_scene(scene, folder_ / "saved.json"));
+  const Result<Scene> read = read_scene(folder_ / "saved.json");
+  ASSERT_TRUE(read) << read.error().message();
+  expect_same(*read, scene);
+
+  // In the folder above, where the mesh has a longer name.
+  ASSERT_TRUE(write_scene(scene, folder_.parent_path() / "above.json"));
+  const Result<Scene> above = read_scene(folder_.parent_path() / "above.json");
+  ASSERT_TRUE(above) << above.error().message();
+  expect_same(*above, scene);
+}
+
+TEST_F(SceneFile, IsNotWrittenWhereItCouldNotBeRead) {
+  Scene scene = *parse_scene(documented, "scene.json", folder_);
+  const auto refusal = [&](const fs::path& file) {
+    const Status written = write_scene(scene, file);
+    EXPECT_FALSE(fs::exists(file));
+    return written ? "written" : written.error().message();
+  };
+  EXPECT_THAT(refusal(folder_ / "meshes/deep.json"), HasSubstr("environment"));
+  scene.environment.reset();
+  EXPECT_EQ(to_json(scene, folder_ / "meshes").has_value(), true) << "beside its mesh";
+  fs::create_directory(folder_ / "elsewhere");
+  EXPECT_THAT(
+      refusal(folder_ / "elsewhere/scene.json"),
+      testing::AllOf(HasSubstr("mesh"), HasSubstr("lies outside the folder"), HasSubstr("save the scene beside")));
+  scene.luminaires[0].scale = -1;
+  EXPECT_THAT(refusal(folder_ / "scale.json"), HasSubstr("luminaires[0].scale: is out of range"));
+  scene.luminaires[0] = {};
+  scene.luminaires[0].pose(0, 1) = 0.5;
+  EXPECT_THAT(refusal(folder_ / "pose.json"), HasSubstr("luminaires[0].pose: is no rigid placement"));
 }
 
 }  // namespace

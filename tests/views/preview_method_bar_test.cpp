@@ -84,17 +84,17 @@ TEST_F(PreviewMethodBarTest, ShadowsAreChosenAndPublishedOnesRefreshed) {
   ASSERT_EQ(shadows->accessibleName(), "What casts shadows");
   EXPECT_EQ(bar.visibility(), Visibility::tile);
   EXPECT_TRUE(refresh->isHidden());
-  std::vector<Visibility> told;
+  std::vector<Visibility> chosen;
   int refreshed = 0;
-  QObject::connect(&bar_, &PreviewMethodBar::visibilityChanged, [&](Visibility v) { told.push_back(v); });
-  QObject::connect(&bar_, &PreviewMethodBar::shadowsToBeRefreshed, [&] { ++refreshed; });
+  QObject::connect(&bar, &PreviewMethodBar::visibilityChanged, [&](Visibility v) { chosen.push_back(v); });
+  QObject::connect(&bar, &PreviewMethodBar::shadowsToBeRefreshed, [&] { ++refreshed; });
   shadows->setCurrentText("published");
   EXPECT_FALSE(refresh->isHidden());
   refresh->click();
   EXPECT_EQ(refreshed, 1);
   shadows->setCurrentText("none");
   EXPECT_TRUE(refresh->isHidden());
-  EXPECT_EQ(told, (std::vector{Visibility::published, Visibility::none}));
+  EXPECT_EQ(chosen, (std::vector{Visibility::published, Visibility::none}));
 }
 
 TEST_F(PreviewMethodBarTest, ThePicturesTextNamesAnotherMethod) {

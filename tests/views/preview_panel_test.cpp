@@ -132,7 +132,7 @@ TEST_F(PreviewPanelTest, OffersScenesAndMarksTheOneShown) {
   QSignalSpy chosen(&panel, &PreviewPanel::sceneChosen);
   QStringList names;
   for (QAction* action : panel.scene_menu()->actions()) names << action->text();
-  EXPECT_EQ(names, QStringList({"corner", "pillars", "", "&Open scene…"}));
+  EXPECT_EQ(names, QStringList({"corner", "pillars", "", "&Open scene…", "Save s&cene as…"}));
   panel.scene_menu()->actions()[1]->trigger();
   ASSERT_EQ(chosen.count(), 1);
   EXPECT_EQ(chosen.at(0).at(0).toString(), "/scenes/pillars/scene.json");
@@ -249,7 +249,7 @@ TEST_F(PreviewPanelTest, EveryControlSaysWhatItIs) {
 }
 
 TEST_F(PreviewPanelTest, TabGoesFromTheToolsToThePicture) {
-  QWidget* first = panel.findChild<QToolButton*>();
+  QWidget* first = child<QToolButton>("Scene");
   first->setFocus();
   QStringList seen;
   for (int k = 0; k < 20 && panel.focusWidget() != &panel.view(); ++k) {
@@ -258,8 +258,9 @@ TEST_F(PreviewPanelTest, TabGoesFromTheToolsToThePicture) {
     seen << (at->accessibleName().isEmpty() ? at->property("text").toString() : at->accessibleName());
     QTest::keyClick(at, Qt::Key_Tab);
   }
-  EXPECT_EQ(seen, QStringList({"Scene", "False colour", "Reset view", "Save…", "Exposure, tenths of a stop",
-                               "Exposure, stops", "Hold average", "Method that computes the light"}));
+  EXPECT_EQ(seen,
+            QStringList({"Scene", "Lamps", "False colour", "Reset", "Save…", "Exposure, tenths of a stop",
+                         "Exposure, stops", "Hold average", "Method that computes the light", "What casts shadows"}));
 }
 
 TEST(ValueSpinBox, TakesNumbersOfAnyMagnitudeAndNothingElse) {
