@@ -3,6 +3,7 @@
 //   lumifield-bench … -- window_figures scan PLAN OUT.lumi SHOTS    a whole scan: latencies, screenshots at 5, 50, 100
 //   % window_figures open OUT.lumi SHOTS                               start and opening to the first picture; orbiting
 //   window_figures shots OUT.lumi FOLDER                             every panel (LUMIFIELD_THEME light or dark)
+//   window_figures lamps OUT.lumi FOLDER [SCENE]                     a lamp dragged: pictures a second, screenshots
 //   lumifield-bench … -- window_figures soak PLAN FOLDER MINUTES     a scan again and again: memory and waiting events
 
 #include <QApplication>
@@ -23,6 +24,7 @@
 #include "app/views/notices_panel.h"
 #include "app/views/preview_look_bar.h"
 #include "app/views/theme.h"
+#include "tests/benchmarks/window_lamps.h"
 #include "tests/benchmarks/window_series.h"
 
 namespace lumifield {
@@ -231,9 +233,12 @@ int main(int argc, char** argv) {
   if (words.value(1) == "scan" && words.size() > 3) return lumifield::scan(words[2], words[3], words.value(4));
   if (words.value(1) == "open" && words.size() > 2) return lumifield::open(words[2], words.value(3));
   if (words.value(1) == "shots" && words.size() > 3) return lumifield::shots(words[2], words[3]);
+  if (words.value(1) == "lamps" && words.size() > 3)
+    return lumifield::lamps(words[2], words[3], words.value(4, lumifield::scene));
   if (words.value(1) == "soak" && words.size() > 4) return lumifield::soak(words[2], words[3], words[4].toDouble());
   std::fputs(
-      "window_figures scan PLAN OUT SHOTS | open DATASET [SHOTS] | shots DATASET FOLDER | soak PLAN FOLDER MINUTES\n",
+      "window_figures scan PLAN OUT SHOTS | open DATASET [SHOTS] | shots DATASET FOLDER | "
+      "lamps DATASET FOLDER [SCENE] | soak PLAN FOLDER MINUTES\n",
       stderr);
   return 2;
 }
