@@ -93,15 +93,23 @@ TEST(ShadowPlan, CentresShowTheImageAndHalfATile) {
   ASSERT_TRUE(plan);
   ASSERT_EQ(plan->views.size(), 12U);
   EXPECT_TRUE(plan->maps_of[1].empty());
+  std::vector<Vec2> parts;
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column) {
       const ShadowView& view = plan->views[static_cast<std::size_t>(plan->maps_of[0][row * 4 + column])];
       const Vec2 e = plan->grid.center_mm(column, row);
       EXPECT_EQ(view.eye_mm, Vec3(e.x(), e.y(), 0));
-      // On S: the image [10, 50] × [−30, 10], widened.
-      EXPECT_LT((e + 150 * view.low - Vec2(10 - 3.75, -30 - 3)).norm(), 1e-12);
-      EXPECT_LT((e + 150 * view.high - Vec2(50 + 3.75, 10 + 3)).norm(), 1e-12);
+      // On S: the image [10, 50] × [−30, 10], widened, and one texel more, of which a part lies on either side.
+      const Vec2 texel = 150 * (view.high - view.low) / ShadowSettings{}.map_px;
+      const Vec2 below = Vec2(10 - 3.75, -30 - 3) - (e + 150 * view.low),
+                 above = e + 150 * view.high - Vec2(50 + 3.75, 10 + 3);
+      EXPECT_LT((below + above - texel).norm(), 1e-12);
+      EXPECT_GE(std::min(below.minCoeff(), above.minCoeff()), -1e-12);
+      parts.emplace_back(below.x() / texel.x(), below.y() / texel.y());
     }
+  // No two maps' texels lie alike.
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    for (std::size_t i = 0; i < k; ++i) EXPECT_GT((parts[k] - parts[i]).norm(), 0.05);
 }
 
 TEST(ShadowPlan, TilesShareMaps) {
@@ -114,7 +122,9 @@ TEST(ShadowPlan, TilesShareMaps) {
   const Vec2 middle = plan->grid.center_mm(1, 1), rest = (plan->grid.center_mm(3, 3) + plan->grid.center_mm(4, 3)) / 2;
   EXPECT_LT((plan->views[0].eye_mm - Vec3(middle.x(), middle.y(), 0)).norm(), 1e-12);
   EXPECT_LT((plan->views[3].eye_mm - Vec3(rest.x(), rest.y(), 0)).norm(), 1e-12);
-  EXPECT_LT((middle + 150 * plan->views[0].low - Vec2(10 - 1.5 * 7.5, -30 - 1.5 * 6)).norm(), 1e-12);
+  const Vec2 texel = 150 * (plan->views[0].high - plan->views[0].low) / ShadowSettings{}.map_px;
+  const Vec2 below = Vec2(10 - 1.5 * 7.5, -30 - 1.5 * 6) - (middle + 150 * plan->views[0].low);
+  EXPECT_TRUE((below.array() >= 0).all() && (below.array() <= texel.array()).all());
 }
 
 TEST(ShadowPlan, PublishedOnesStandOnSWhereTheyAre) {
