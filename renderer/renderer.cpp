@@ -47,10 +47,11 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
   impl->info = {(*context)->description(), *opencl, std::move(mesh->notes)};
   impl->info.notes.push_back("left out: " + left_out(impl->visibility));
   if (scene.environment) impl->info.notes.emplace_back("left out: the environment");
-  impl->shadows = std::make_unique<SceneShadows>(**context, *mesh);
+  impl->materials = std::move(mesh->materials);
+  mesh->textures.clear();  // the pass has its own
+  impl->shadows = std::make_unique<SceneShadows>(**context, std::move(*mesh));
   impl->context = std::move(*context);
   impl->pass = std::move(*pass);
-  impl->materials = std::move(mesh->materials);
   impl->placements = scene.luminaires;
   std::unique_ptr<Renderer> renderer(new Renderer(std::move(impl)));
   if (const Status viewed = renderer->set_view(scene.camera, width_px, height_px); !viewed)

@@ -53,10 +53,12 @@ Status Renderer::Impl::hand_over() {
 
 /// What the receivers see of the luminaires, by their faces.
 Status Renderer::Impl::see(const Receivers& seen, Appearance& appearance) {
-  if (visibility == Visibility::none) return {};
-  const auto kept = kept_cells();
-  if (!kept) return tl::unexpected(kept.error());
-  return shadows->see(placements, *kept, visibility, lod > 0, seen.p, seen.face, appearance);
+  if (visibility == Visibility::published) {
+    const auto kept = kept_cells();
+    if (!kept) return tl::unexpected(kept.error());
+    shadows->take_positions(*kept);
+  }
+  return shadows->see(placements, *geometry, visibility, lod > 0, seen.p, seen.face, appearance);
 }
 
 Status Renderer::Impl::keep(CellIndex cell, std::shared_ptr<const CellImage> image) {

@@ -88,10 +88,7 @@ void PreviewWorker::take_method(const MethodSettings& method) {
   if (renderer_)
     if (const Status set = renderer_->set_method(method); !set) return report(set.error());
   method_ = method;
-  costs_ = {};
-  last_error_.clear();
-  drawn_.reset();
-  view_changed_ = true;
+  begin_anew();
 }
 
 /// As of another method.
@@ -99,6 +96,11 @@ void PreviewWorker::take_visibility(Visibility visibility) {
   if (renderer_)
     if (const Status set = renderer_->set_visibility(visibility); !set) return report(set.error());
   visibility_ = visibility;
+  begin_anew();
+}
+
+/// With the picture, at costs that are not known.
+void PreviewWorker::begin_anew() {
   costs_ = {};
   last_error_.clear();
   drawn_.reset();

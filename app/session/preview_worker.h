@@ -48,6 +48,7 @@ class PreviewWorker {
   void let_in();
   void take_method(const MethodSettings& method);
   void take_visibility(Visibility visibility);
+  void begin_anew();
   void report(const Error& error);
 
   // preview_worker_step.cpp

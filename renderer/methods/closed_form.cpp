@@ -97,7 +97,8 @@ void ClosedForm::Impl::add(const Receiver& receiver, const Values& values, std::
     }
     for (std::size_t c = 0; c < row.size(); ++c) total[c] += row[c];
   }
-  for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += factor(receiver) * total[c];
+  const double scale = factor(receiver);
+  for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += scale * total[c];
 }
 
 std::vector<double> ClosedForm::Impl::sum_of(const Receiver& receiver, bool deviation) const {

@@ -175,7 +175,7 @@ std::vector<double> ClosedForm::Impl::light_of(const Receiver& receiver, const L
   std::optional<CornerLobes> corners;
   if (gloss > 0) corners.emplace(grid, at, look.lobe, division);
   const SeenSubtiles seen(grid, look, division);
-  const double half = basis.half_support();
+  const double half = basis.half_support(), scale = factor(at);
 
   for (const Cell& cell : cells) {
     // Classify the support against the receiver's horizon.
@@ -196,7 +196,7 @@ std::vector<double> ClosedForm::Impl::light_of(const Receiver& receiver, const L
     const std::vector<Segment> xs = segments_of(basis, x_axis, division), ys = segments_of(basis, y_axis, division);
     for (const Segment& y : ys)
       for (const Segment& x : xs) {
-        const double v = factor(at) * seen.at(cell.index, split.column + x.subtile, split.row + y.subtile);
+        const double v = scale * seen.at(cell.index, split.column + x.subtile, split.row + y.subtile);
         const double plain = v == 0        ? 0
                              : split.above ? plain_weight(split, x, y)
                                            : clipped_integral(basis, g, {x.low, x.high, y.low, y.high});

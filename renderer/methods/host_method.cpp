@@ -33,8 +33,9 @@ LightField absolute(const LightField& light_field) {
 /// The closed form in the methods' role; the reference is that without a level of detail.
 class ClosedFormOnHost final : public HostMethod {
  public:
-  ClosedFormOnHost(const LightField& light_field, double lod)
-      : light_field_(light_field), lod_(lod), form_(light_field, lod) {}
+  /// finest: looks are divided as finely as can be; else as their lobe asks for.
+  ClosedFormOnHost(const LightField& light_field, double lod, bool finest)
+      : light_field_(light_field), lod_(lod), finest_(finest), form_(light_field, lod) {}
 
   using HostMethod::estimate;
 
@@ -64,10 +65,8 @@ class ClosedFormOnHost final : public HostMethod {
     return result;
   }
 
-  void finest() { finest_ = true; }
-
  private:
-  /// Subtiles of a tile: as many as the lobe asks for, as kernels have it, or the most.
+  /// Subtiles of a tile: as many as kernels have, or the most.
   int division(const Receiver& receiver, const Look& look) const {
     if (finest_) return most_division;
     return gloss_division(TileGrid(light_field_.geometry().sampling), receiver, look.lobe, light_is_even(look),
@@ -76,18 +75,11 @@ class ClosedFormOnHost final : public HostMethod {
 
   LightField light_field_;
   double lod_;
-  bool finest_ = false;
+  bool finest_;
   ClosedForm form_;
   mutable std::once_flag once_;
   mutable std::unique_ptr<ClosedForm> magnitude_;  ///< of |C|, made when an error is first asked for
 };
-
-/// The reference divides all looks finely.
-std::unique_ptr<HostMethod> finest_closed_form(const LightField& light_field) {
-  auto form = std::make_unique<ClosedFormOnHost>(light_field, 0);
-  form->finest();
-  return form;
-}
 
 }  // namespace
 
@@ -120,9 +112,9 @@ Result<std::unique_ptr<HostMethod>> make_host_method(const LightField& light_fie
     return tl::unexpected(fits.error());
   switch (settings.method) {
     case Method::closed_form:
-      return std::make_unique<ClosedFormOnHost>(light_field, settings.lod);
+      return std::make_unique<ClosedFormOnHost>(light_field, settings.lod, false);
     case Method::reference:
-      return finest_closed_form(light_field);
+      return std::make_unique<ClosedFormOnHost>(light_field, 0, true);
     case Method::position_dependent:
       return std::make_unique<PositionDependent>(light_field, settings);
     case Method::position_dependent_printed:

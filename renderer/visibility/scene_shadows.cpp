@@ -57,12 +57,23 @@ Result<TileVisibility> SceneShadows::by_maps(std::size_t number, const Pose& pos
   return (*shadows)->see(p, n);
 }
 
-Result<TileVisibility> SceneShadows::by_rays(const Pose& pose, const LuminaireGeometry& geometry,
+Result<TileVisibility> SceneShadows::by_rays(std::size_t number, const Pose& pose, const LuminaireGeometry& geometry,
                                              std::span<const float> p, std::span<const float> n) {
-  auto made = RayVisibility::create(mesh_, pose);
-  if (!made) return tl::unexpected(made.error());
-  rays_.push_back(std::make_shared<const RayVisibility>(std::move(*made)));
-  return rays_.back()->see_tiles(TileGrid(geometry.sampling), p, n);
+  Rays& rays = rays_[number];
+  if (!rays.by || rays.pose != pose) {
+    auto made = RayVisibility::create(mesh_, pose);
+    if (!made) return tl::unexpected(made.error());
+    rays = {pose, std::make_shared<const RayVisibility>(std::move(*made))};
+  }
+  return rays.by->see_tiles(TileGrid(geometry.sampling), p, n);
+}
+
+void SceneShadows::take_positions(const LightField& light_field) {
+  TilePositions now = published_positions(light_field);
+  if (positions_ && positions_->grid == now.grid)
+    add_missing(*positions_, now);
+  else
+    positions_ = std::move(now);
 }
 
 bool SceneShadows::gives_position(const LuminaireGeometry& geometry, CellIndex cell) const {
@@ -81,26 +92,18 @@ int SceneShadows::times_made() const {
   return times;
 }
 
-Status SceneShadows::see(const std::vector<ScenePlacement>& placements, const LightField& light_field,
+Status SceneShadows::see(const std::vector<ScenePlacement>& placements, const LuminaireGeometry& geometry,
                          Visibility visibility, bool coarse, std::span<const float> p_xyzw,
                          std::span<const float> face_xyzw, Appearance& appearance) {
   appearance.visible = {};
   appearance.sees = {};
-  rays_.clear();
+  rays_.resize(visibility == Visibility::rays ? placements.size() : 0);
   if (visibility == Visibility::none || placements.empty()) return {};
-  const LuminaireGeometry& geometry = light_field.geometry();
-  if (visibility == Visibility::published) {
-    TilePositions now = published_positions(light_field);
-    if (positions_ && positions_->grid == now.grid)
-      add_missing(*positions_, now);
-    else
-      positions_ = std::move(now);
-  }
 
   const std::size_t floats = p_xyzw.size() / placements.size();
   for (std::size_t k = 0; k < placements.size(); ++k) {
     const auto p = p_xyzw.subspan(k * floats, floats), n = face_xyzw.subspan(k * floats, floats);
-    auto seen = visibility == Visibility::rays ? by_rays(placements[k].pose, geometry, p, n)
+    auto seen = visibility == Visibility::rays ? by_rays(k, placements[k].pose, geometry, p, n)
                                                : by_maps(k, placements[k].pose, geometry, visibility, coarse, p, n);
     if (!seen) return tl::unexpected(seen.error());
     TileVisibility& all = appearance.visible;
@@ -113,7 +116,7 @@ Status SceneShadows::see(const std::vector<ScenePlacement>& placements, const Li
   // Of points: what is kept of the receivers lives as long as the function.
   appearance.sees = [rays = rays_, each = floats / 4, p = std::vector<float>(p_xyzw.begin(), p_xyzw.end()),
                      n = std::vector<float>(face_xyzw.begin(), face_xyzw.end())](std::size_t k, const Vec2& u) {
-    return rays[k / each]->sees(vector_of(p, k), vector_of(n, k), {u.x(), u.y(), 0});
+    return rays[k / each].by->sees(vector_of(p, k), vector_of(n, k), {u.x(), u.y(), 0});
   };
   return {};
 }

@@ -14,8 +14,8 @@
 namespace lumifield {
 
 /// What the receivers of a scene see of its luminaires, each placement of the one light field by itself. Depth maps are
-/// kept until light or scene move. Published positions are those of the first cells that gave each tile one, until they
-/// are forgotten. Thread-bound to the context's thread; the context must outlive it.
+/// and the rays' tree are kept until light or scene move. Published positions are those of the first cells that gave
+/// each tile one, until they are forgotten. Thread-bound to the context's thread; the context must outlive it.
 class SceneShadows {
  public:
   SceneShadows(EglContext& context, Mesh mesh) : context_(context), mesh_(std::move(mesh)) {}
@@ -26,11 +26,13 @@ class SceneShadows {
   static constexpr int coarse_tiles = 3, coarse_px = 96;
 
   /// Sets `appearance.visible` of all placements' receivers in turn (shading.h), 4 floats each, luminaire frames, and
-  /// of rays `appearance.sees`. `coarse`: maps that have to be made are coarse ones. `light_field` gives published
-  /// positions to tiles that have none. Errors: those of TileShadows and RayVisibility.
-  Status see(const std::vector<ScenePlacement>& placements, const LightField& light_field, Visibility visibility,
+  /// of rays `appearance.sees`. `coarse`: maps that have to be made are coarse ones. Errors: published
+  /// positions that have not been taken, those of TileShadows and RayVisibility.
+  Status see(const std::vector<ScenePlacement>& placements, const LuminaireGeometry& geometry, Visibility visibility,
              bool coarse, std::span<const float> p_xyzw, std::span<const float> face_xyzw, Appearance& appearance);
 
+  /// Gives published positions to tiles that have none.
+  void take_positions(const LightField& light_field);
   /// The next ones are of the cells of then.
   void forget_positions() { positions_.reset(); }
   /// Whether a cell gives a tile its first published position.
@@ -48,15 +50,19 @@ class SceneShadows {
   Result<TileVisibility> by_maps(std::size_t number, const Pose& pose, const LuminaireGeometry& geometry,
                                  Visibility visibility, bool coarse, std::span<const float> p,
                                  std::span<const float> n);
-  Result<TileVisibility> by_rays(const Pose& pose, const LuminaireGeometry& geometry, std::span<const float> p,
-                                 std::span<const float> n);
+  Result<TileVisibility> by_rays(std::size_t number, const Pose& pose, const LuminaireGeometry& geometry,
+                                 std::span<const float> p, std::span<const float> n);
   Result<TileShadows*> shadows_of(std::unique_ptr<TileShadows>& shadows);
 
   EglContext& context_;
   Mesh mesh_;
   std::vector<Lamp> lamps_;
   std::optional<TilePositions> positions_;
-  std::vector<std::shared_ptr<const RayVisibility>> rays_;  ///< of the last placements seen by rays
+  struct Rays {
+    Pose pose;
+    std::shared_ptr<const RayVisibility> by;
+  };
+  std::vector<Rays> rays_;  ///< of the last placements seen by rays
 };
 
 }  // namespace lumifield
