@@ -62,9 +62,6 @@ struct ClosedFormDevice::Impl {
 
   std::size_t channels() const { return geometry.channels.size(); }
   std::size_t cell_bytes() const { return layout.image_floats() * sizeof(float); }
-  Status make_room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose) const;
-  template <class T>
-  Status fill(DeviceBuffer& buffer, const std::vector<T>& values, std::string_view purpose) const;
   Status take_receivers(std::vector<ClosedFormReceiver>& all, const Appearance& appearance);
   Status add(std::span<const BatchCell> all);
   Status upload(std::span<const BatchCell> batch);
@@ -130,16 +127,6 @@ Status ClosedFormDevice::set_lod(double pixels_per_support) {
   return {};
 }
 
-/// A buffer that is large enough stays: fresh memory costs more than what is written to it.
-Status ClosedFormDevice::Impl::make_room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose) const {
-  if (buffer.bytes() >= bytes && buffer.bytes() > 0) return {};
-  buffer = {};
-  auto more = device->allocate(bytes, purpose);
-  if (!more) return tl::unexpected(more.error());
-  buffer = *more;
-  return {};
-}
-
 Status ClosedFormDevice::Impl::take_receivers(std::vector<ClosedFormReceiver>& all, const Appearance& appearance) {
   if (const auto bad = first_not_finite(all))
     return fail("has NaN or Inf", "receiver " + std::to_string(*bad), "give finite numbers");
@@ -152,10 +139,10 @@ Status ClosedFormDevice::Impl::take_receivers(std::vector<ClosedFormReceiver>& a
   shared.lod = next_lod;
   shared.levels = static_cast<int>(layout.levels().size());
   shared.plane = static_cast<int>(layout.plane_floats());
-  if (auto room = make_room(receivers, all.size() * sizeof(ClosedFormReceiver), "receivers"); !room) return room;
-  if (auto room = make_room(levels, layout.levels().size_bytes(), "levels of detail"); !room) return room;
-  if (auto room = make_room(sums, all.size() * channels() * sizeof(double), "sums of irradiance"); !room) return room;
-  if (auto written = device->write(receivers, 0, bytes_of(all)); !written) return written;
+  if (auto room = device->make_room(levels, layout.levels().size_bytes(), "levels of detail"); !room) return room;
+  if (auto room = device->make_room(sums, all.size() * channels() * sizeof(double), "sums of irradiance"); !room)
+    return room;
+  if (auto written = device->fill(receivers, all, "receivers"); !written) return written;
   if (auto written = device->write(levels, 0, std::as_bytes(layout.levels())); !written) return written;
   if (auto cleared = device->zero(sums); !cleared) return cleared;
   shared.receivers = static_cast<int>(all.size());
@@ -184,20 +171,13 @@ Status ClosedFormDevice::set_receivers(std::span<const float> p_xyzw, std::span<
   return impl_->take_receivers(all, appearance);
 }
 
-template <class T>
-Status ClosedFormDevice::Impl::fill(DeviceBuffer& buffer, const std::vector<T>& values,
-                                    std::string_view purpose) const {
-  if (auto room = make_room(buffer, values.size() * sizeof(T), purpose); !room) return room;
-  return device->write(buffer, 0, bytes_of(values));
-}
-
 Status ClosedFormDevice::Impl::upload(std::span<const BatchCell> batch) {
   std::vector<const CellImage*> wanted;
   for (const BatchCell& each : batch) wanted.push_back(each.image);
   if (wanted == on_device) return {};
   on_device.clear();
   held.assign(offered.begin(), offered.end());
-  if (auto room = make_room(images, batch.size() * cell_bytes(), "cell images"); !room) return room;
+  if (auto room = device->make_room(images, batch.size() * cell_bytes(), "cell images"); !room) return room;
   std::vector<float> packed;
   for (std::size_t k = 0; k < batch.size(); ++k) {
     layout.pack(*batch[k].image, packed);
@@ -220,8 +200,8 @@ Status ClosedFormDevice::Impl::prepare_grid(const Tile& tile) {
         std::find_if(tile.cells.begin(), tile.cells.end(), [&](auto& each) { return each.index >= row; });
     row_begin.push_back(static_cast<int>(begin - tile.cells.begin()));
   }
-  if (auto filled = fill(centers, u, "rows and columns"); !filled) return filled;
-  if (auto filled = fill(row_begins, row_begin, "rows of cells"); !filled) return filled;
+  if (auto filled = device->fill(centers, u, "rows and columns"); !filled) return filled;
+  if (auto filled = device->fill(row_begins, row_begin, "rows of cells"); !filled) return filled;
   grid_kernel.set(6, ClosedFormGrid{tile.columns, tile.rows});
   grid_kernel.set(7, centers);
   grid_kernel.set(8, row_begins);
@@ -235,7 +215,7 @@ Status ClosedFormDevice::Impl::run(const Tile& tile, std::size_t first_image) {
     table.push_back({u.x(), u.y(), each.sign, static_cast<int>((first_image + table.size()) * channels()),
                      each.index.column - tile.first.column});
   }
-  if (auto filled = fill(cells, table, "cells"); !filled) return filled;
+  if (auto filled = device->fill(cells, table, "cells"); !filled) return filled;
   const bool dense = tile.is_dense();
   if (dense || !tiles->empty())
     if (auto prepared = prepare_grid(tile); !prepared) return prepared;

@@ -21,19 +21,6 @@ bool is_lit(const ClosedFormReceiver& r) { return r.p_z > 0 && (r.n_x != 0 || r.
 
 }  // namespace
 
-/// A buffer that is large enough stays.
-template <class T>
-Status ClosedFormTilesDevice::fill_buffer(DeviceBuffer& buffer, const std::vector<T>& values,
-                                          std::string_view purpose) {
-  if (buffer.bytes() < values.size() * sizeof(T)) {
-    buffer = {};
-    auto room = device_.allocate(values.size() * sizeof(T), purpose);
-    if (!room) return tl::unexpected(room.error());
-    buffer = *room;
-  }
-  return device_.write(buffer, 0, std::as_bytes(std::span(values)));
-}
-
 ClosedFormTilesDevice::List& ClosedFormTilesDevice::list_of(int division, int lobes) {
   const auto found =
       std::ranges::find_if(lists_, [&](const List& l) { return l.division == division && l.lobes == lobes; });
@@ -87,7 +74,9 @@ Status ClosedFormTilesDevice::take(std::vector<ClosedFormReceiver>& all, const A
     if (const Status there = upload(list); !there) return there;
   }
   if (outs_ == 0) return {};
-  return fill_buffer(radiance_, std::vector<double>(all.size() * outs_, 0.0), "radiance by gloss");
+  if (auto room = device_.make_room(radiance_, all.size() * outs_ * sizeof(double), "radiance by gloss"); !room)
+    return room;
+  return device_.zero(radiance_);
 }
 
 Status ClosedFormTilesDevice::build(List& list) {
@@ -110,12 +99,11 @@ Status ClosedFormTilesDevice::build(List& list) {
 }
 
 Status ClosedFormTilesDevice::upload(List& list) {
-  if (list.bits.empty()) list.bits = {0};  // no buffer is empty
-  if (auto done = fill_buffer(list.receivers_on, list.receivers, "receivers in half-shadow"); !done) return done;
-  if (auto done = fill_buffer(list.number_on, list.number, "their numbers"); !done) return done;
-  if (auto done = fill_buffer(list.bits_on, list.bits, "what they see"); !done) return done;
+  if (auto done = device_.fill(list.receivers_on, list.receivers, "receivers in half-shadow"); !done) return done;
+  if (auto done = device_.fill(list.number_on, list.number, "their numbers"); !done) return done;
+  if (auto done = device_.fill(list.bits_on, list.bits, "what they see"); !done) return done;
   if (list.lobes == 0) return {};
-  return fill_buffer(list.gloss_on, list.gloss, "lobes");
+  return device_.fill(list.gloss_on, list.gloss, "lobes");
 }
 
 namespace {
@@ -137,13 +125,10 @@ std::size_t ClosedFormTilesDevice::batch_of(const List& list) const {
 Result<double> ClosedFormTilesDevice::run_list(List& list, const ClosedFormRun& run) {
   const std::size_t batch = batch_of(list), all = list.receivers.size();
   const std::size_t rows = static_cast<std::size_t>(grid_.rows * std::max(list.division, 1) + 1);
-  const std::size_t corner_bytes = std::min(batch, all) * corners_of(grid_, list.division) *
-                                   static_cast<std::size_t>(std::max(list.lobes, 1)) * sizeof(float);
-  if (corners_.bytes() < (list.lobes > 0 ? corner_bytes : 1)) {
-    auto room = device_.allocate(list.lobes > 0 ? corner_bytes : sizeof(float), "lobes at the tiles' corners");
-    if (!room) return tl::unexpected(room.error());
-    corners_ = *room;
-  }
+  const std::size_t corner_floats =
+      std::min(batch, all) * corners_of(grid_, list.division) * static_cast<std::size_t>(list.lobes);
+  if (auto room = device_.make_room(corners_, corner_floats * sizeof(float), "lobes at the tiles' corners"); !room)
+    return tl::unexpected(room.error());
   DeviceKernel& kernel = list.kernel;
   unsigned at = 0;
   kernel.set(at++, run.geometry);

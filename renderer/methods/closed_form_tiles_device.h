@@ -1,8 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <span>
-#include <string_view>
 #include <vector>
 
 #include "renderer/methods/appearance.h"
@@ -32,9 +30,6 @@ class ClosedFormTilesDevice {
   bool empty() const {
     return std::ranges::all_of(lists_, [](const List& list) { return list.receivers.empty(); });
   }
-  /// Values of radiance a receiver, 0 where none shines.
-  std::size_t outs() const { return outs_; }
-
   /// Adds a run's cells to the sums of irradiance and to the radiance: the kernels' time, seconds.
   Result<double> run(const ClosedFormRun& run);
   /// Radiance by gloss: receivers · outs.
@@ -56,8 +51,6 @@ class ClosedFormTilesDevice {
   List& list_of(int division, int lobes);
   void fill(List& list, std::size_t k, const ClosedFormReceiver& receiver, const Appearance& appearance);
   Status build(List& list);
-  template <class T>
-  Status fill_buffer(DeviceBuffer& buffer, const std::vector<T>& values, std::string_view purpose);
   Status upload(List& list);
   Result<double> run_list(List& list, const ClosedFormRun& run);
   std::size_t batch_of(const List& list) const;
@@ -66,7 +59,7 @@ class ClosedFormTilesDevice {
   const LuminaireGeometry& geometry_;
   TileGrid grid_;
   bool mean_ = false, sees_all_ = true;
-  std::size_t outs_ = 0, receivers_ = 0;
+  std::size_t outs_ = 0, receivers_ = 0;  ///< values of radiance a receiver, 0 where none shines
   std::vector<List> lists_;
   DeviceBuffer corners_, radiance_;
 };

@@ -18,7 +18,7 @@ Status FarFieldDevice::take_cells(const LightField& light_field) {
   if (!made) return tl::unexpected(made.error());
   const FarFieldTable& table = *made;
   const std::vector<float> values(table.values().begin(), table.values().end());
-  if (Status done = upload(table_, values, "the far field"); !done) return done;
+  if (Status done = device_->fill(table_, values, "the far field"); !done) return done;
   shared_.width = table.width();
   shared_.height = table.height();
   shared_.plane = table.width() * table.height();

@@ -66,13 +66,8 @@ Status ImageSamplerDevice::make_room(std::size_t cells) {
   for (const Part& part : parts) all += static_cast<double>(part.cell_bytes) * static_cast<double>(cells);
   if (const Status fits = check_table_memory(settings_, all, static_cast<double>(device_->memory_bytes())); !fits)
     return fits;
-  for (const Part& part : parts) {
-    if (part.buffer->bytes() >= cells * part.cell_bytes && part.buffer->bytes() > 0) continue;
-    *part.buffer = {};
-    auto room = device_->allocate(cells * part.cell_bytes, part.purpose);
-    if (!room) return tl::unexpected(room.error());
-    *part.buffer = *room;
-  }
+  for (const Part& part : parts)
+    if (Status room = device_->make_room(*part.buffer, cells * part.cell_bytes, part.purpose); !room) return room;
   return {};
 }
 
@@ -141,8 +136,8 @@ Status ImageSamplerDevice::make_points() {
     const UnitPoint shift = cell_shift(settings_.seed, printed ? 0 : static_cast<std::uint32_t>(number));
     cells.push_back({u.x(), u.y(), shift.x, shift.y, number, 0});
   }
-  if (Status done = upload(points_, set.points(), "points"); !done) return done;
-  return upload(cells_, cells, "cells");
+  if (Status done = device_->fill(points_, set.points(), "points"); !done) return done;
+  return device_->fill(cells_, cells, "cells");
 }
 
 unsigned ImageSamplerDevice::set_arguments(DeviceKernel& kernel) {

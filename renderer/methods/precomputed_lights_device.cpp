@@ -59,8 +59,8 @@ Status PrecomputedLightsDevice::make_points() {
   }
   shared_.cells = static_cast<int>(measured_.size());
   shared_.plane = static_cast<int>(plane);
-  if (Status done = upload(lights_, table, "lights"); !done) return done;
-  return upload(cells_, cells, "cells");
+  if (Status done = device_->fill(lights_, table, "lights"); !done) return done;
+  return device_->fill(cells_, cells, "cells");
 }
 
 unsigned PrecomputedLightsDevice::set_arguments(DeviceKernel& kernel) {

@@ -71,20 +71,11 @@ Status SampledDevice::take_appearance() {
   if (Status built = build(); !built) return built;
   const TileVisibility& visible = appearance().visible;
   const TileGrid grid(geometry_.sampling);
-  looks_ = {grid.columns,
-            grid.rows,
-            static_cast<int>(visible.row_words()),
-            visible.weighing == ShadowWeighing::mean,
-            geometry_.sampling.columns,
-            {0, 0, 0}};
-  // No buffer is empty.
-  if (Status done = upload(bits_, visible.empty() ? std::vector<std::uint32_t>(1) : visible.words, "shadows"); !done)
-    return done;
-  if (Status done = upload(lobes_, gloss_channels() == 0 ? std::vector<GlossLobe>(1) : appearance().gloss, "lobes");
-      !done)
-    return done;
-  return upload(gloss_, std::vector<double>(std::max<std::size_t>(receivers() * gloss_channels(), 1)),
-                "radiance by gloss");
+  looks_ = {grid.columns, grid.rows, static_cast<int>(visible.row_words()), visible.weighing == ShadowWeighing::mean,
+            geometry_.sampling.columns};
+  if (Status done = device_->fill(bits_, visible.words, "shadows"); !done) return done;
+  if (Status done = device_->fill(lobes_, appearance().gloss, "lobes"); !done) return done;
+  return device_->make_room(gloss_, receivers() * gloss_channels() * sizeof(double), "radiance by gloss");
 }
 
 void SampledDevice::set_looks(DeviceKernel& kernel, unsigned number) {
@@ -97,10 +88,9 @@ Status SampledDevice::take_receivers(std::span<const Receiver> receivers) {
   all.reserve(receivers.size());
   for (const Receiver& r : receivers)
     all.push_back({r.p_mm.x(), r.p_mm.y(), lit_height_mm(r.p_mm.z()), r.n.x(), r.n.y(), r.n.z()});
-  if (Status written = upload(receivers_, all, "receivers"); !written) return written;
+  if (Status written = device_->fill(receivers_, all, "receivers"); !written) return written;
   if (Status taken = take_appearance(); !taken) return taken;
-  const std::vector<double> none(all.size() * channels(), 0.0);
-  return upload(sums_, none, "irradiance");
+  return device_->make_room(sums_, all.size() * channels() * sizeof(double), "irradiance");
 }
 
 Status SampledDevice::begin() {

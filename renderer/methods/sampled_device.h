@@ -31,17 +31,6 @@ class SampledDevice : public DeviceMethod {
   /// What depends on the cells, the samples and the seed; called before an evaluation where these changed.
   virtual Status make_points() = 0;
 
-  template <class T>
-  Status upload(DeviceBuffer& buffer, const std::vector<T>& values, std::string_view purpose) {
-    if (buffer.bytes() < values.size() * sizeof(T) || buffer.bytes() == 0) {
-      buffer = {};
-      auto more = device_->allocate(values.size() * sizeof(T), purpose);
-      if (!more) return tl::unexpected(more.error());
-      buffer = *more;
-    }
-    return device_->write(buffer, 0, std::as_bytes(std::span(values)));
-  }
-
   SamplingGeometry shared_{};
   std::unique_ptr<OpenClDevice> device_;
   DeviceBuffer receivers_, sums_;

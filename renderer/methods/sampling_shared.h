@@ -39,7 +39,6 @@ typedef struct SamplingLooks {
   int row_words;      ///< of a receiver's bits
   int mean;           ///< a cell's light is weighed by the mean of its tiles' bits
   int grid_columns;   ///< cells in a row of the grid
-  int reserved[3];
 } SamplingLooks;
 
 #ifndef __OPENCL_C_VERSION__
@@ -49,5 +48,5 @@ static_assert(sizeof(SamplingGeometry) == 128 && offsetof(SamplingGeometry, widt
 static_assert(sizeof(SamplingReceiver) == 48 && offsetof(SamplingReceiver, n_z) == 40);
 static_assert(sizeof(SamplingCell) == 32 && offsetof(SamplingCell, shift_x) == 16 &&
               offsetof(SamplingCell, first_light) == 28);
-static_assert(sizeof(SamplingLooks) == 32 && offsetof(SamplingLooks, grid_columns) == 16);
+static_assert(sizeof(SamplingLooks) == 20 && offsetof(SamplingLooks, grid_columns) == 16);
 #endif

@@ -151,6 +151,15 @@ Result<DeviceBuffer> OpenClDevice::allocate(std::size_t bytes, std::string_view 
   return buffer;
 }
 
+Status OpenClDevice::make_room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose) {
+  if (buffer.bytes() >= bytes && buffer.bytes() > 0) return {};
+  buffer = {};
+  auto more = allocate(bytes, purpose);
+  if (!more) return tl::unexpected(more.error());
+  buffer = *more;
+  return {};
+}
+
 Status OpenClDevice::write(const DeviceBuffer& buffer, std::size_t offset, std::span<const std::byte> data) {
   if (data.empty()) return {};
   const int code = clEnqueueWriteBuffer(impl_->queue.get(), buffer.handle_.get(), CL_TRUE, offset, data.size(),

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "luminaire/error.h"
 
@@ -69,6 +70,14 @@ class OpenClDevice {
 
   /// Errors: more than the device's largest buffer (checked before), out of memory.
   Result<DeviceBuffer> allocate(std::size_t bytes, std::string_view purpose);
+  /// A buffer that has so many bytes stays: fresh memory costs more than what is written to it. Else it is made anew.
+  Status make_room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose);
+  /// Makes room for the values and writes them.
+  template <class T>
+  Status fill(DeviceBuffer& buffer, const std::vector<T>& values, std::string_view purpose) {
+    if (Status room = make_room(buffer, values.size() * sizeof(T), purpose); !room) return room;
+    return write(buffer, 0, std::as_bytes(std::span(values)));
+  }
   Status write(const DeviceBuffer& buffer, std::size_t offset, std::span<const std::byte> data);
   Status read(const DeviceBuffer& buffer, std::span<std::byte> data);
   Status zero(const DeviceBuffer& buffer);
