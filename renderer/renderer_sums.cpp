@@ -9,18 +9,6 @@
 
 namespace lumifield {
 
-namespace {
-
-std::vector<Receiver> as_receivers(const Receivers& seen) {
-  std::vector<Receiver> receivers;
-  receivers.reserve(seen.p.size() / 4);
-  for (std::size_t k = 0; k < seen.p.size(); k += 4)
-    receivers.push_back({{seen.p[k], seen.p[k + 1], seen.p[k + 2]}, {seen.n[k], seen.n[k + 1], seen.n[k + 2]}});
-  return receivers;
-}
-
-}  // namespace
-
 /// All cells wait.
 void Renderer::Impl::clear() {
   handed_over = false;

@@ -32,6 +32,16 @@ Receivers receivers_of(const GBuffer& gbuffer, const std::vector<ScenePlacement>
   return receivers;
 }
 
+std::vector<Receiver> as_receivers(const Receivers& seen) {
+  std::vector<Receiver> receivers(seen.p.size() / 4);
+  in_bands(receivers.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      receivers[k] = {{seen.p[4 * k], seen.p[4 * k + 1], seen.p[4 * k + 2]},
+                      {seen.n[4 * k], seen.n[4 * k + 1], seen.n[4 * k + 2]}};
+  });
+  return receivers;
+}
+
 std::string left_out(Visibility visibility) {
   const std::string indirect = "light from surface to surface";
   return visibility == Visibility::none ? "shadows, and " + indirect : indirect;

@@ -6,6 +6,7 @@
 
 #include "luminaire/scene.h"
 #include "renderer/methods/gloss_shared.h"
+#include "renderer/methods/receiver.h"
 #include "renderer/opengl/gbuffer.h"
 #include "renderer/picture.h"
 #include "renderer/scene/mesh.h"
@@ -19,6 +20,8 @@ struct Receivers {
   std::vector<float> p, n, face;
 };
 Receivers receivers_of(const GBuffer& gbuffer, const std::vector<ScenePlacement>& placements);
+/// As methods take them.
+std::vector<Receiver> as_receivers(const Receivers& seen);
 
 /// What a picture leaves out of the light, for people.
 std::string left_out(Visibility visibility);

@@ -13,8 +13,11 @@ struct Rungs {
   double confirm;  ///< cost at full size
 };
 
-std::vector<Rungs> ladder() {
+std::vector<Rungs> ladder(const StudyLook& look) {
   const std::vector<double> few{16, 50, 200, 1000};
+  if (!look.plain())
+    return {{Method::closed_form, {0, 8, 4}, {0, 12, 8, 6, 4, 2}, 0},
+            {Method::position_dependent, few, {16, 50, 200, 1000, 4000}, 200}};
   return {
       {Method::closed_form, {0, 8, 4, 2}, {0, 12, 8, 6, 4, 3, 2, 1}, 0},
       {Method::position_dependent, few, {16, 50, 100, 200, 400, 1000, 4000, 16000, 64000}, 200},
@@ -36,7 +39,7 @@ MethodSettings settings_of(Method method, double cost) {
 int repeats_for(double first_s) { return first_s < 0.5 ? 7 : 3; }
 
 std::string words(Method method, const StudyBench& bench, double cost) {
-  std::string text = bench.luminaire().name + ", " + std::string(to_string(method));
+  std::string text = bench.name() + ", " + std::string(to_string(method));
   if (cost > 0) text += " " + std::to_string(static_cast<int>(cost));
   return text;
 }
@@ -55,27 +58,28 @@ Answer step(const StudyBench& bench, const MethodSettings& settings, std::unique
     auto made = bench.make(settings);
     if (!made) return refused(made.error());
     method = std::move(*made);
-    if (Status set = method->set_receivers(bench.frame().receivers); !set) return refused(set.error());
+    if (Status set = method->set_receivers(bench.frame().receivers, bench.frame().appearance); !set)
+      return refused(set.error());
   }
   if (Status set = method->set_samples(settings.samples, settings.seed); !set) return refused(set.error());
   // The first evaluation compiles the kernel and tells how often it can be repeated.
-  std::vector<double> e;
-  const auto first = timed_evaluation(*method, bench.frame().receivers, 1, e);
+  StudyLight light;
+  const auto first = timed_evaluation(*method, bench.frame(), 1, light);
   if (!first) return failed(first.error());
   auto point = bench.judge(*method, repeats_for(*first));
   if (!point) return failed(point.error());
   return {std::move(point)};
 }
 
-Answer step_at_full_size(const StudyBench& bench, const MethodSettings& settings,
-                         const std::vector<Receiver>& receivers, int repeats) {
+Answer step_at_full_size(const StudyBench& bench, const MethodSettings& settings, const StudyFrame& frame,
+                         int repeats) {
   auto method = bench.make(settings);
   if (!method) return refused(method.error());
-  if (Status set = (*method)->set_receivers(receivers); !set) return refused(set.error());
+  if (Status set = (*method)->set_receivers(frame.receivers, frame.appearance); !set) return refused(set.error());
   auto point = bench.judge(**method, 1);
   if (!point) return failed(point.error());
-  std::vector<double> e;
-  const auto took = timed_evaluation(**method, receivers, repeats, e);
+  StudyLight light;
+  const auto took = timed_evaluation(**method, frame, repeats, light);
   if (!took) return failed(took.error());
   point->time_ms = 1e3 * *took;
   return {std::move(point)};
@@ -83,8 +87,7 @@ Answer step_at_full_size(const StudyBench& bench, const MethodSettings& settings
 
 /// Why a method has no point.
 StabilityRow row_without(const StudyBench& bench, Method method, const char* where, const Answer& answer) {
-  return {method, "luminaire " + bench.luminaire().name + where, answer.without, std::nan(""),
-          answer.point.error().message()};
+  return {method, "luminaire " + bench.name() + where, answer.without, std::nan(""), answer.point.error().message()};
 }
 
 }  // namespace
@@ -97,7 +100,7 @@ bool Climb::is_without(Method method) const { return std::ranges::count(without,
 
 Result<Climb> climb_ladder(const StudyBench& bench, bool quick, const StudyProgress& progress) {
   Climb climb;
-  const std::vector<Rungs> all = ladder();
+  const std::vector<Rungs> all = ladder(bench.look());
   double done = 0, rungs = 0;
   for (const Rungs& each : all) rungs += static_cast<double>((quick ? each.quick : each.full).size());
   for (const Rungs& each : all) {
@@ -123,15 +126,15 @@ Result<Climb> climb_ladder(const StudyBench& bench, bool quick, const StudyProgr
 Status confirm_at_full_size(const StudyBench& bench, StudyCamera& camera, bool quick, const StudyProgress& progress,
                             Climb& climb) {
   constexpr int width = 1024, height = 768;
-  const auto frame = camera.frame(width, height, bench.luminaire().light_field.geometry().planes.separation_mm);
+  const auto frame = camera.frame(width, height, bench.luminaire().light_field, bench.look());
   if (!frame) return tl::unexpected(frame.error());
-  const std::vector<Rungs> all = ladder();
+  const std::vector<Rungs> all = ladder(bench.look());
   double done = 0;
   for (const Rungs& each : all) {
     if (!progress(done++ / static_cast<double>(all.size()), words(each.method, bench, each.confirm) + " at 1024x768"))
       return study_stopped();
     if (climb.is_without(each.method)) continue;
-    Answer answer = step_at_full_size(bench, settings_of(each.method, each.confirm), frame->receivers, quick ? 1 : 3);
+    Answer answer = step_at_full_size(bench, settings_of(each.method, each.confirm), *frame, quick ? 1 : 3);
     if (!answer.point) {
       climb.without.push_back(row_without(bench, each.method, " at 1024x768", answer));
       continue;

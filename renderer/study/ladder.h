@@ -12,8 +12,9 @@ struct Climb {
   bool is_without(Method method) const;
 };
 
-/// Every method at a ladder of costs on one luminaire. `quick` leaves the dear ends out. Errors: the closed form's, and
-/// where it is stopped.
+/// Every method at a ladder of costs on one luminaire; where its surfaces do not look plain, the closed form and the
+/// position-dependent samples alone. `quick` leaves the dear ends out. Errors: the closed form's, and where it is
+/// stopped.
 Result<Climb> climb_ladder(const StudyBench& bench, bool quick, const StudyProgress& progress);
 
 /// One point at 1024×768 of each method that has points, its cost a middle one: errors are those of the ladder's

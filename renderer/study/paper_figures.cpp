@@ -61,28 +61,6 @@ class Figures {
     }
   }
 
-  /// Shares of a picture's time at K = 200.
-  void steps() {
-    if (error_ || !go_on("Fig. 10")) return;
-    double took[3] = {};
-    for (const SamplingSteps step : {SamplingSteps::balance, SamplingSteps::draws, SamplingSteps::all}) {
-      auto device = ImageSamplerDevice::create(bench_.luminaire().light_field.geometry(),
-                                               {.method = Method::position_dependent}, step);
-      if (!device) return stop_at(device.error());
-      if (Status set = (*device)->set_cells(bench_.luminaire().light_field); !set) return stop_at(set.error());
-      std::vector<double> e;
-      const auto s = timed_evaluation(**device, bench_.frame().receivers, 5, e);
-      if (!s) return stop_at(s.error());
-      took[static_cast<int>(step) - 1] = 1e3 * *s;
-    }
-    constexpr const char* share = "share of the kernel's time, %";
-    add("Fig. 10", "K = 200: the balance A_m (paper: of a frame with shadows)", share, 100 * took[0] / took[2], 5.3);
-    add("Fig. 10", "K = 200: drawing samples", share, 100 * (took[1] - took[0]) / took[2], 33.6);
-    add("Fig. 10", "K = 200: weighing and summing them (paper: shading)", share, 100 * (took[2] - took[1]) / took[2],
-        31.9);
-    add("Fig. 10", "K = 200: all", time, took[2], none);
-  }
-
   /// Against scalar searches through the tables, with the same draws.
   void plain() {
     if (error_ || !go_on("plain transcription")) return;
@@ -156,26 +134,6 @@ void car1_figures(Figures& figures) {
                    {.method = Method::position_dependent, .samples = c.samples}, {c.lab, c.time_ms});
 }
 
-/// The time at which a ladder reaches an error, by lines in the logarithms.
-struct Reached {
-  double time_ms;
-  const char* beyond;  ///< said of a time that no two points hold between them, else empty
-};
-std::optional<Reached> time_at(std::vector<StudyPoint> ladder, double error) {
-  std::ranges::sort(ladder, {}, &StudyPoint::time_ms);
-  if (ladder.size() < 2) return std::nullopt;
-  const auto reached = std::ranges::find_if(ladder.begin() + 1, ladder.end() - 1,
-                                            [&](const StudyPoint& p) { return p.rel_rmse <= error; });
-  const StudyPoint &a = *(reached - 1), &b = *reached;
-  const double x0 = std::log(a.time_ms), x1 = std::log(b.time_ms);
-  const double y0 = std::log(a.rel_rmse), y1 = std::log(b.rel_rmse);
-  if (!(y1 < y0)) return std::nullopt;
-  const char* beyond = "";
-  if (b.rel_rmse > error) beyond = " (beyond the ladder, by its last slope)";
-  if (a.rel_rmse < error) beyond = " (beyond the ladder's start, by its first slope)";
-  return Reached{std::exp(x0 + (std::log(error) - y0) / (y1 - y0) * (x1 - x0)), beyond};
-}
-
 }  // namespace
 
 Result<std::vector<FigureRow>> paper_figures(const StudyBench& bench, bool quick, const StudyProgress& progress) {
@@ -183,33 +141,8 @@ Result<std::vector<FigureRow>> paper_figures(const StudyBench& bench, bool quick
   Figures figures(bench, progress);
   if (bench.luminaire().name == "bike") bike_figures(figures, quick);
   if (bench.luminaire().name == "car1") car1_figures(figures);
-  if (bench.luminaire().name == "car2") figures.steps();
   if (figures.error()) return tl::unexpected(*figures.error());
   return std::move(figures.rows);
-}
-
-std::vector<FigureRow> equal_error_rows(const std::vector<StudyPoint>& points, const std::string& luminaire) {
-  const auto ladder_of = [&](Method method) {
-    std::vector<StudyPoint> ladder;
-    for (const StudyPoint& p : points)
-      if (p.method == method && p.luminaire == luminaire) ladder.push_back(p);
-    return ladder;
-  };
-  std::vector<FigureRow> rows;
-  for (const double error : {0.005, 0.001}) {
-    double ours = HUGE_VAL;
-    for (const StudyPoint& p : ladder_of(Method::closed_form))
-      if (p.rel_rmse <= error) ours = std::min(ours, p.time_ms);
-    for (const Method method : {Method::position_dependent, Method::uniform_box}) {
-      const auto theirs = time_at(ladder_of(method), error);
-      if (!theirs || !std::isfinite(ours)) continue;
-      char what[160];
-      std::snprintf(what, sizeof what, "%s over closed-form at %.1f %% relative RMSE%s",
-                    std::string(to_string(method)).c_str(), 100 * error, theirs->beyond);
-      rows.push_back({"equal error", luminaire, what, "ratio of kernel times", theirs->time_ms / ours, none});
-    }
-  }
-  return rows;
 }
 
 }  // namespace lumifield

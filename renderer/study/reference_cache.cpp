@@ -3,8 +3,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 
 #include "luminaire/file_io.h"
+#include "renderer/methods/device_method.h"
 
 namespace lumifield {
 
@@ -17,7 +19,8 @@ void append(std::string& bytes, const T* values, std::size_t count) {
 
 }  // namespace
 
-std::string reference_key(const LightField& light_field, const std::vector<Receiver>& receivers, int version) {
+std::string reference_key(const LightField& light_field, const std::vector<Receiver>& receivers,
+                          const Appearance& appearance, int version) {
   const LuminaireGeometry& g = light_field.geometry();
   const Sampling& s = g.sampling;
   const Measurement& m = g.measurement;
@@ -32,6 +35,12 @@ std::string reference_key(const LightField& light_field, const std::vector<Recei
   for (const Receiver& r : receivers) {
     append(bytes, r.p_mm.data(), 3);
     append(bytes, r.n.data(), 3);
+  }
+  if (!appearance.gloss.empty()) append(bytes, appearance.gloss.data(), appearance.gloss.size());
+  const TileVisibility& visible = appearance.visible;
+  if (!visible.empty()) {
+    bytes += visible.weighing == ShadowWeighing::tile ? "tile" : "mean";
+    append(bytes, visible.words.data(), visible.words.size());
   }
   // Cell by cell, so that no copy of the luminaire is made.
   std::string key = sha256_hex(bytes);
@@ -51,31 +60,49 @@ std::filesystem::path cache_folder() {
   return {};
 }
 
-std::vector<double> cached_reference(const LightField& light_field, const std::vector<Receiver>& receivers,
-                                     const std::filesystem::path& folder) {
-  const std::size_t channels = light_field.geometry().channels.size();
-  std::vector<double> e(receivers.size() * channels);
-  const std::size_t bytes = e.size() * sizeof(double);
-  const std::filesystem::path file = folder / (reference_key(light_field, receivers) + ".f64");
-  if (!folder.empty())
-    if (const auto kept = read_file(file, bytes); kept && kept->size() == bytes) {
-      std::memcpy(e.data(), kept->data(), bytes);
-      bool finite = true;
-      for (const double value : e) finite = finite && std::isfinite(value);
-      if (finite) return e;
-    }
+namespace {
 
-  const ClosedForm reference(light_field);
-  for (std::size_t k = 0; k < receivers.size(); ++k) {
-    if (receivers[k].n == Vec3(0, 0, 0)) continue;
-    const std::vector<double> one = reference.irradiance(receivers[k]);
-    std::copy(one.begin(), one.end(), e.begin() + static_cast<std::ptrdiff_t>(k * channels));
-  }
-  if (folder.empty()) return e;
+/// What is kept and whole.
+std::optional<std::vector<double>> kept_values(const std::filesystem::path& file, std::size_t count) {
+  const auto kept = read_file(file, count * sizeof(double));
+  if (!kept || kept->size() != count * sizeof(double)) return std::nullopt;
+  std::vector<double> values(count);
+  std::memcpy(values.data(), kept->data(), kept->size());
+  for (const double value : values)
+    if (!std::isfinite(value)) return std::nullopt;
+  return values;
+}
+
+}  // namespace
+
+Result<std::vector<double>> cached_reference(const LightField& light_field, const std::vector<Receiver>& receivers,
+                                             const Appearance& appearance, const std::filesystem::path& folder) {
+  const std::size_t channels = light_field.geometry().channels.size();
+  const std::size_t count = receivers.size() * (channels + appearance.gloss_channels(channels));
+  const std::filesystem::path file = folder / (reference_key(light_field, receivers, appearance) + ".f64");
+  if (!folder.empty())
+    if (auto kept = kept_values(file, count)) return std::move(*kept);
+
+  const auto method = make_device_method(light_field.geometry(), {.method = Method::reference});
+  if (!method) return tl::unexpected(method.error());
+  std::vector<double> light, gloss;
+  const Status done = (*method)
+                          ->set_cells(light_field)
+                          .and_then([&] { return (*method)->set_receivers(receivers, appearance); })
+                          .and_then([&]() -> Status {
+                            if (const auto evaluated = (*method)->evaluate(HUGE_VAL); !evaluated)
+                              return tl::unexpected(evaluated.error());
+                            return {};
+                          })
+                          .and_then([&] { return (*method)->read(light); })
+                          .and_then([&] { return (*method)->read_gloss(gloss); });
+  if (!done) return tl::unexpected(done.error());
+  light.insert(light.end(), gloss.begin(), gloss.end());
+  if (folder.empty()) return light;
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);
-  (void)write_file_durably(file, {reinterpret_cast<const char*>(e.data()), bytes});
-  return e;
+  (void)write_file_durably(file, {reinterpret_cast<const char*>(light.data()), light.size() * sizeof(double)});
+  return light;
 }
 
 }  // namespace lumifield

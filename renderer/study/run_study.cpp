@@ -1,47 +1,118 @@
 #include "renderer/study/run_study.h"
 
+#include <iterator>
+
+#include "renderer/study/frame_figures.h"
 #include "renderer/study/ladder.h"
+#include "renderer/study/ladder_rows.h"
 #include "renderer/study/paper_figures.h"
+#include "renderer/study/shadow_figures.h"
 #include "renderer/study/stability.h"
 
 namespace lumifield {
 
+namespace {
+
+/// The looks in which the closed form and samples with the same tiles climb their ladders. Gloss is the first
+/// luminaire's alone.
+std::vector<StudyLook> looks(bool first, bool quick) {
+  std::vector<StudyLook> all{{.visibility = Visibility::tile}};
+  if (quick && !first) return {};
+  if (!first) return all;
+  for (const double roughness : quick ? std::vector{0.3, 0.1} : std::vector{0.5, 0.3, 0.2, 0.1, 0.05})
+    all.push_back({.visibility = Visibility::none, .roughness = roughness});
+  return all;
+}
+
+/// The parts of a study, one after the other; the first error ends it.
+class StudyRun {
+ public:
+  StudyRun(const StudyJob& job, StudyCamera& camera, const StudyProgress& progress, Study& study)
+      : job_(job), camera_(camera), progress_(progress), study_(study) {}
+
+  Status luminaire(std::size_t k) {
+    const StudyLuminaire& luminaire = job_.luminaires[k];
+    const bool first = k == 0, last = k + 1 == job_.luminaires.size();
+    const auto bench = StudyBench::create(camera_, luminaire, job_.cache);
+    if (!bench) return tl::unexpected(bench.error());
+    auto climb = climb_ladder(**bench, job_.quick, part(k, 0, 0.5));
+    if (!climb) return tl::unexpected(climb.error());
+    take(equal_error_rows(climb->points, luminaire.name));
+    if (Status done = figures(paper_figures(**bench, job_.quick, part(k, 0.5, 0.5))); !done) return done;
+    if (first)
+      if (Status full = confirm_at_full_size(**bench, camera_, job_.quick, part(k, 0.6, 0.7), *climb); !full)
+        return full;
+    take(*climb);
+    const std::vector<StudyLook> all = looks(first, job_.quick);
+    for (std::size_t l = 0; l < all.size(); ++l) {
+      const double each = 0.2 / static_cast<double>(all.size()), from = 0.7 + each * static_cast<double>(l);
+      if (Status done = look(luminaire, all[l], part(k, from, from + each)); !done) return done;
+    }
+    if (first || !job_.quick)
+      if (Status done = figures(shadow_figures(camera_, luminaire, part(k, 0.9, 0.95))); !done) return done;
+    return last ? figures(frame_figures(camera_, luminaire, job_.quick, part(k, 0.95, 1))) : Status{};
+  }
+
+  Status stability() {
+    auto table = stability_table(
+        [&](double share, const std::string& what) { return progress_(ladders + (1 - ladders) * share, what); });
+    if (!table) return tl::unexpected(table.error());
+    study_.stability = std::move(*table);
+    study_.stability.insert(study_.stability.end(), without_.begin(), without_.end());
+    return {};
+  }
+
+ private:
+  /// The ladders take most of the time, the table the rest.
+  static constexpr double ladders = 0.85;
+
+  StudyProgress part(std::size_t k, double from, double to) const {
+    const double each = ladders / static_cast<double>(job_.luminaires.size());
+    return [=, this](double share, const std::string& what) {
+      return progress_(each * (static_cast<double>(k) + from + (to - from) * share), what);
+    };
+  }
+  void take(std::vector<FigureRow> rows) {
+    study_.figures.insert(study_.figures.end(), std::make_move_iterator(rows.begin()),
+                          std::make_move_iterator(rows.end()));
+  }
+  void take(const Climb& climb) {
+    study_.points.insert(study_.points.end(), climb.points.begin(), climb.points.end());
+    without_.insert(without_.end(), climb.without.begin(), climb.without.end());
+  }
+  Status figures(Result<std::vector<FigureRow>> rows) {
+    if (!rows) return tl::unexpected(rows.error());
+    take(std::move(*rows));
+    return {};
+  }
+  /// The luminaire's ladders with other surfaces.
+  Status look(const StudyLuminaire& luminaire, const StudyLook& look, const StudyProgress& progress) {
+    const auto bench = StudyBench::create(camera_, luminaire, job_.cache, look);
+    if (!bench) return tl::unexpected(bench.error());
+    const auto climb = climb_ladder(**bench, job_.quick, progress);
+    if (!climb) return tl::unexpected(climb.error());
+    take(equal_time_rows(climb->points, (*bench)->name()));
+    take(*climb);
+    return {};
+  }
+
+  const StudyJob& job_;
+  StudyCamera& camera_;
+  const StudyProgress& progress_;
+  Study& study_;
+  std::vector<StabilityRow> without_;
+};
+
+}  // namespace
+
 Result<Study> run_study(const StudyJob& job, const StudyProgress& progress) {
   Study study{job.scene.name, job.quick, {}, {}, {}};
-  auto camera = StudyCamera::create(job.scene);
+  const auto camera = StudyCamera::create(job.scene);
   if (!camera) return tl::unexpected(camera.error());
-
-  std::vector<StabilityRow> without;
-
-  // The ladders take most of the time, the table and the pictures at full size the rest.
-  const double ladders = 0.85,
-               each_share = ladders / static_cast<double>(std::max<std::size_t>(job.luminaires.size(), 1));
-  for (std::size_t k = 0; k < job.luminaires.size(); ++k) {
-    const auto part = [&](double from, double to) {
-      return [&, from, to](double share, const std::string& what) {
-        return progress(each_share * (static_cast<double>(k) + from + (to - from) * share), what);
-      };
-    };
-    auto bench = StudyBench::create(**camera, job.luminaires[k], job.cache);
-    if (!bench) return tl::unexpected(bench.error());
-    auto climb = climb_ladder(**bench, job.quick, part(0, 0.7));
-    if (!climb) return tl::unexpected(climb.error());
-    for (FigureRow& row : equal_error_rows(climb->points, job.luminaires[k].name))
-      study.figures.push_back(std::move(row));
-    auto figures = paper_figures(**bench, job.quick, part(0.7, 0.7));
-    if (!figures) return tl::unexpected(figures.error());
-    for (FigureRow& row : *figures) study.figures.push_back(std::move(row));
-    if (k == 0)
-      if (Status full = confirm_at_full_size(**bench, **camera, job.quick, part(0.85, 1), *climb); !full)
-        return tl::unexpected(full.error());
-    study.points.insert(study.points.end(), climb->points.begin(), climb->points.end());
-    without.insert(without.end(), climb->without.begin(), climb->without.end());
-  }
-  auto table = stability_table(
-      [&](double share, const std::string& what) { return progress(ladders + (1 - ladders) * share, what); });
-  if (!table) return tl::unexpected(table.error());
-  study.stability = std::move(*table);
-  study.stability.insert(study.stability.end(), without.begin(), without.end());
+  StudyRun run(job, **camera, progress, study);
+  for (std::size_t k = 0; k < job.luminaires.size(); ++k)
+    if (const Status done = run.luminaire(k); !done) return tl::unexpected(done.error());
+  if (const Status done = run.stability(); !done) return tl::unexpected(done.error());
   progress(1, "done");
   return study;
 }

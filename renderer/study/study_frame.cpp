@@ -1,15 +1,67 @@
 #include "renderer/study/study_frame.h"
 
+#include <cstdio>
+#include <numbers>
+
 #include "renderer/sampling/sequence.h"
 #include "renderer/shading.h"
 
 namespace lumifield {
 
-Picture StudyFrame::picture(const std::vector<double>& irradiance, std::size_t channels) const {
-  Picture picture{gbuffer.width_px, gbuffer.height_px, std::vector<float>(3 * receivers.size()),
-                  std::vector<float>(receivers.size()), left_out(Visibility::none)};
-  shade(gbuffer, materials, {placement}, {irradiance, channels}, picture);
+std::string StudyLook::name() const {
+  std::string name;
+  if (roughness > 0) {
+    char text[32];
+    std::snprintf(text, sizeof text, "GGX %g", roughness);
+    name = text;
+  }
+  if (visibility == Visibility::none) return name;
+  return (name.empty() ? "" : name + ", ") + std::string("in shadow");
+}
+
+Picture StudyFrame::picture(const StudyLight& light, std::size_t channels) const {
+  Picture picture{gbuffer.width_px,
+                  gbuffer.height_px,
+                  std::vector<float>(3 * receivers.size()),
+                  std::vector<float>(receivers.size()),
+                  {}};
+  shade(gbuffer, materials, {placement}, {light.irradiance, channels, light.gloss, appearance.gloss_channels(channels)},
+        picture);
   return picture;
+}
+
+std::vector<double> StudyFrame::seen(const StudyLight& light, std::size_t k, std::size_t pixel,
+                                     std::size_t channels) const {
+  const auto begin = light.irradiance.begin() + static_cast<std::ptrdiff_t>(k * channels);
+  std::vector<double> seen(begin, begin + static_cast<std::ptrdiff_t>(channels));
+  if (light.gloss.empty()) return seen;
+  const float* rho = gbuffer.reflectance.empty()
+                         ? materials[static_cast<std::size_t>(gbuffer.normal[4 * pixel + 3])].diffuse.data()
+                         : &gbuffer.reflectance[4 * pixel];
+  const double mean = (static_cast<double>(rho[0]) + rho[1] + rho[2]) / 3;
+  for (std::size_t c = 0; c < channels; ++c)
+    seen[c] = mean * std::numbers::inv_pi * seen[c] + light.gloss[k * channels + c];
+  return seen;
+}
+
+std::vector<Receiver> StudyFrame::receivers_at(const std::vector<std::size_t>& chosen) const {
+  std::vector<Receiver> some;
+  for (const std::size_t k : chosen) some.push_back(receivers[k]);
+  return some;
+}
+
+Appearance StudyFrame::appearance_at(const std::vector<std::size_t>& chosen) const {
+  Appearance some;
+  if (!appearance.gloss.empty())
+    for (const std::size_t k : chosen) some.gloss.push_back(appearance.gloss[k]);
+  if (appearance.visible.empty()) return some;
+  some.visible = {appearance.visible.grid, appearance.visible.weighing};
+  const std::size_t words = appearance.visible.receiver_words();
+  for (const std::size_t k : chosen) {
+    const auto begin = appearance.visible.words.begin() + static_cast<std::ptrdiff_t>(k * words);
+    some.visible.words.insert(some.visible.words.end(), begin, begin + static_cast<std::ptrdiff_t>(words));
+  }
+  return some;
 }
 
 std::vector<std::size_t> stratified_receivers(const StudyFrame& frame, std::uint32_t seed) {
@@ -43,20 +95,39 @@ Result<std::unique_ptr<StudyCamera>> StudyCamera::create(const Scene& scene) {
   camera->scene_ = scene;
   camera->context_ = std::move(*context);
   camera->pass_ = std::move(*pass);
-  camera->materials_ = std::move(mesh->materials);
+  camera->materials_ = mesh->materials;
+  camera->shadows_ = std::make_unique<SceneShadows>(*camera->context_, std::move(*mesh));
   return camera;
 }
 
-Result<StudyFrame> StudyCamera::frame(int width_px, int height_px, double separation_mm) {
+Result<StudyFrame> StudyCamera::frame(int width_px, int height_px, const LightField& light_field,
+                                      const StudyLook& look) {
   auto gbuffer = pass_->draw(scene_.camera, width_px, height_px);
   if (!gbuffer) return tl::unexpected(gbuffer.error());
-  StudyFrame frame{std::move(*gbuffer), materials_, scene_.luminaires.front(), {}};
-  const Receivers seen = receivers_of(frame.gbuffer, {frame.placement});
-  for (std::size_t k = 0; k < seen.p.size(); k += 4) {
-    Receiver r{{seen.p[k], seen.p[k + 1], seen.p[k + 2]}, {seen.n[k], seen.n[k + 1], seen.n[k + 2]}};
-    if (!(r.p_mm.z() > separation_mm)) r = {{0, 0, 2 * separation_mm}, {0, 0, 0}};
-    frame.receivers.push_back(r);
+  StudyFrame frame{std::move(*gbuffer), materials_, scene_.luminaires.front(), {}, {}};
+  if (look.roughness > 0)
+    for (Material& m : frame.materials) {
+      m.lobe = LOBE_GGX;
+      m.shape = static_cast<float>(look.roughness * look.roughness);
+      m.specular = {common_f0, common_f0, common_f0};
+    }
+  const std::vector<ScenePlacement> placements{frame.placement};
+  if (look.roughness > 0)
+    frame.appearance.gloss = lobes_of(frame.gbuffer, frame.materials, placements, scene_.camera.position_mm);
+  const Receivers seen = receivers_of(frame.gbuffer, placements);
+  if (look.visibility == Visibility::published) {
+    shadows_->forget_positions();
+    shadows_->take_positions(light_field);
   }
+  const LuminaireGeometry& geometry = light_field.geometry();
+  if (const Status there =
+          shadows_->see(placements, geometry, look.visibility, false, seen.p, seen.face, frame.appearance);
+      !there)
+    return tl::unexpected(there.error());
+  const double separation_mm = geometry.planes.separation_mm;
+  frame.receivers = as_receivers(seen);
+  for (Receiver& r : frame.receivers)
+    if (!(r.p_mm.z() > separation_mm)) r = {{0, 0, 2 * separation_mm}, {0, 0, 0}};
   return frame;
 }
 

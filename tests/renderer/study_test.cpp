@@ -1,22 +1,18 @@
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <gtest/gtest.h>
 #include <iomanip>
 #include <set>
 
 #include "luminaire/file_io.h"
-#include "renderer/renderer.h"
 #include "renderer/study/lab.h"
 #include "renderer/study/ladder.h"
 #include "renderer/study/paper_figures.h"
 #include "renderer/study/reference_cache.h"
 #include "renderer/study/synthetic_luminaire.h"
+#include "tests/support/study_fixture.h"
 
 namespace lumifield {
 namespace {
-
-namespace fs = std::filesystem;
 
 TEST(Lab, KnownColours) {
   // White, black, and sRGB's red and blue, CIE 1976 with D65.
@@ -50,27 +46,11 @@ TEST(SyntheticLuminaire, HasThePapersSizesAndIsSeeded) {
   for (const float v : a.cell({2, 2})->value) ASSERT_GT(v, 0);
 }
 
-class CacheFolder : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "lumifield-cache-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::vector<fs::path> files() const {
-    std::vector<fs::path> all;
-    for (const auto& entry : fs::directory_iterator(folder_)) all.push_back(entry.path());
-    return all;
-  }
-  fs::path folder_;
-};
-
 TEST_F(CacheFolder, AReferenceIsComputedOnceAndFollowsItsContent) {
   const SyntheticLuminaire small{.name = "small", .columns = 2, .rows = 2, .pixels = 20, .pixel_mm = 4};
   LightField field = make_luminaire(small);
   const std::vector<Receiver> at{{{10, -5, 400}, {0, 0, -1}}, {{0, 0, 0}, {0, 0, 0}}};
-  const auto first = cached_reference(field, at, folder_);
+  const auto first = cached_reference(field, at, {}, folder_).value();
   EXPECT_EQ(first[0], ClosedForm(field).irradiance(at[0])[0]);
   EXPECT_EQ(first[1], 0) << "no receiver";
   ASSERT_EQ(files().size(), 1u);
@@ -78,21 +58,21 @@ TEST_F(CacheFolder, AReferenceIsComputedOnceAndFollowsItsContent) {
   // What is kept is taken: another value in the file shows.
   const double mark[] = {42, 0};
   ASSERT_TRUE(write_file_durably(files()[0], {reinterpret_cast<const char*>(mark), sizeof mark}));
-  EXPECT_EQ(cached_reference(field, at, folder_)[0], 42);
+  EXPECT_EQ(cached_reference(field, at, {}, folder_).value()[0], 42);
   // What is not whole, or not finite, is not.
   ASSERT_TRUE(write_file_durably(files()[0], "short"));
-  EXPECT_EQ(cached_reference(field, at, folder_), first);
+  EXPECT_EQ(cached_reference(field, at, {}, folder_).value(), first);
 
   // Another value in a cell, another receiver: other files.
   CellImage image = *field.cell({0, 1});
   image.value[150] += 0.25F;
   ASSERT_TRUE(field.add({0, 1}, std::move(image)));
-  (void)cached_reference(field, at, folder_);
-  (void)cached_reference(field, {at[0]}, folder_);
+  (void)cached_reference(field, at, {}, folder_).value();
+  (void)cached_reference(field, {at[0]}, {}, folder_);
   EXPECT_EQ(files().size(), 3u);
-  EXPECT_NE(reference_key(field, at), reference_key(field, at, reference_version + 1));
+  EXPECT_NE(reference_key(field, at), reference_key(field, at, {}, reference_version + 1));
   // No folder is no failure.
-  EXPECT_EQ(cached_reference(make_luminaire(small), at, {}), first);
+  EXPECT_EQ(cached_reference(make_luminaire(small), at, {}, {}).value(), first);
 }
 
 TEST(ReferenceVersion, IsThatOfTheseValues) {
@@ -107,24 +87,8 @@ TEST(ReferenceVersion, IsThatOfTheseValues) {
   }
 }
 
-class StudyOfASmallLuminaire : public CacheFolder {
- protected:
-  void SetUp() override {
-    CacheFolder::SetUp();
-    if (const auto found = probe_opencl(); !found) GTEST_SKIP() << found.error().message();
-    if (const auto found = probe_opengl(); !found) GTEST_SKIP() << found.error().message();
-    const auto scene = read_scene(std::string(LUMIFIELD_SOURCE_DIR) + "/resources/scenes/corner/scene.json");
-    ASSERT_TRUE(scene);
-    camera_ = StudyCamera::create(*scene).value();
-    luminaire_.emplace(StudyLuminaire{
-        "small", make_luminaire({.name = "small", .columns = 3, .rows = 2, .pixels = 75, .pixel_mm = 4})});
-  }
-  std::unique_ptr<StudyCamera> camera_;
-  std::optional<StudyLuminaire> luminaire_;
-};
-
 TEST_F(StudyOfASmallLuminaire, ReceiversAreStratifiedAndLit) {
-  const StudyFrame frame = camera_->frame(256, 192, 150).value();
+  const StudyFrame frame = camera_->frame(256, 192, luminaire_->light_field).value();
   const auto chosen = stratified_receivers(frame, 7);
   EXPECT_GT(chosen.size(), 900u);
   EXPECT_LE(chosen.size(), 1024u);
@@ -198,39 +162,6 @@ TEST_F(StudyOfASmallLuminaire, AMethodThatRefusesTheLuminaireIsToldAndTheOthersG
   EXPECT_EQ(confirmed.points.size(), climb->points.size() + judged.size());
   EXPECT_EQ(confirmed.without.size(), 1u);
   EXPECT_TRUE(paper_figures(**bench, true, go_on)->empty()) << "the paper has none of this luminaire";
-}
-
-StudyPoint point(Method method, double time_ms, double error) {
-  StudyPoint p{.method = method, .luminaire = "bike"};
-  p.time_ms = time_ms;
-  p.rel_rmse = error;
-  return p;
-}
-
-TEST(EqualError, IsReadFromTheLadders) {
-  // Error falls as 1/√time: 0.5 % at 400 ms, 0.1 % at 10 s, beyond the ladder.
-  const std::vector<StudyPoint> points{
-      point(Method::closed_form, 8, 1e-7), point(Method::closed_form, 4, 4e-3), point(Method::closed_form, 2, 0.03),
-      point(Method::position_dependent, 100, 0.01), point(Method::position_dependent, 1600, 0.0025)};
-  const auto rows = equal_error_rows(points, "bike");
-  ASSERT_EQ(rows.size(), 2u);
-  EXPECT_NEAR(rows[0].ours, 100, 1e-6);
-  EXPECT_EQ(rows[0].what.find("beyond"), std::string::npos);
-  EXPECT_NEAR(rows[1].ours, 1250, 1e-6);
-  EXPECT_NE(rows[1].what.find("beyond"), std::string::npos);
-  EXPECT_TRUE(equal_error_rows(points, "car1").empty());
-}
-
-TEST(EqualError, SaysThatATimeIsBeyondEitherEndOfALadder) {
-  // 0.5 % lies before the first point, where the line leads to 64 ms, and 0.1 % on it.
-  const std::vector<StudyPoint> points{point(Method::closed_form, 8, 1e-7), point(Method::uniform_box, 400, 0.002),
-                                       point(Method::uniform_box, 1600, 0.001)};
-  const auto rows = equal_error_rows(points, "bike");
-  ASSERT_EQ(rows.size(), 2u);
-  EXPECT_NEAR(rows[0].ours, 8, 1e-6);
-  EXPECT_NE(rows[0].what.find("beyond the ladder's start"), std::string::npos) << rows[0].what;
-  EXPECT_NEAR(rows[1].ours, 200, 1e-6);
-  EXPECT_EQ(rows[1].what.find("beyond"), std::string::npos) << rows[1].what;
 }
 
 }  // namespace

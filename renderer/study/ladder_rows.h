@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "renderer/study/study.h"
+
+namespace lumifield {
+
+/// The times at which two methods reach one error, from their points of one luminaire: between points by a line in the
+/// logarithms, before the first by the first line's slope and beyond the last by the last line's, which `what` says.
+/// For closed-form the cheapest point that is at least as good. A method whose error does not fall there has no row.
+std::vector<FigureRow> equal_error_rows(const std::vector<StudyPoint>& points, const std::string& luminaire);
+
+/// The relative RMSE of a method that has no picture yet: all is dark.
+inline constexpr double without_picture = 1;
+
+/// Each point of position-dependent: its error over that of closed-form's best point that takes no more time, or over
+/// without_picture where there is none. Above 1 closed-form is the better one.
+std::vector<FigureRow> equal_time_rows(const std::vector<StudyPoint>& points, const std::string& luminaire);
+
+}  // namespace lumifield
