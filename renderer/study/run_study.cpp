@@ -13,14 +13,14 @@ namespace lumifield {
 
 namespace {
 
-/// The looks in which the closed form and samples with the same tiles climb their ladders. Gloss is the first
-/// luminaire's alone.
+/// The looks, all in shadow, in which the closed form and samples with the same tiles climb their ladders. Gloss is the
+/// first luminaire's alone.
 std::vector<StudyLook> looks(bool first, bool quick) {
   std::vector<StudyLook> all{{.visibility = Visibility::tile}};
   if (quick && !first) return {};
   if (!first) return all;
   for (const double roughness : quick ? std::vector{0.3, 0.1} : std::vector{0.5, 0.3, 0.2, 0.1, 0.05})
-    all.push_back({.visibility = Visibility::none, .roughness = roughness});
+    all.push_back({.visibility = Visibility::tile, .roughness = roughness});
   return all;
 }
 
