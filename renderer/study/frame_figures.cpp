@@ -11,7 +11,8 @@ namespace lumifield {
 
 namespace {
 
-constexpr double samples = 200, piece_s = 0.5;
+/// Of samples, so that they can be stopped; in pieces the closed form would compute its lobes once each.
+constexpr double piece_s = 0.5;
 const double none = std::nan("");
 
 class Watch {
@@ -36,16 +37,16 @@ class Frame {
 
   Status prepare(int width_px, int height_px);
   /// Of a method that has nothing yet: kernel time. What it hands over and shows is in `hand_over_s` and `show_s`.
-  Result<double> light(DeviceMethod& method);
+  Result<double> light(DeviceMethod& method, double piece_s);
   Result<double> step(SamplingSteps steps) {
     auto method = ImageSamplerDevice::create(light_field_.geometry(), {.method = Method::position_dependent}, steps);
     if (!method) return tl::unexpected(method.error());
-    return light(**method);
+    return light(**method, piece_s);
   }
   Result<double> closed_form(double lod) {
     auto method = make_device_method(light_field_.geometry(), {.method = Method::closed_form, .lod = lod});
     if (!method) return tl::unexpected(method.error());
-    return light(**method);
+    return light(**method, HUGE_VAL);
   }
 
   double gbuffer_s = 0, receivers_s = 0, shadows_s = 0, hand_over_s = 0, show_s = 0;
@@ -78,7 +79,7 @@ Status Frame::prepare(int width_px, int height_px) {
   return there;
 }
 
-Result<double> Frame::light(DeviceMethod& method) {
+Result<double> Frame::light(DeviceMethod& method, double piece_s) {
   if (const Status set = method.set_cells(light_field_); !set) return tl::unexpected(set.error());
   Watch watch;
   if (const Status set = method.set_receivers(receivers_, appearance_); !set) return tl::unexpected(set.error());
@@ -121,8 +122,9 @@ Result<std::vector<FigureRow>> frame_figures(StudyCamera& camera, const StudyLum
   const double sampled_s = frame.host_s() + *kernel;
 
   std::vector<FigureRow> rows;
-  const std::string size = std::to_string(width) + "x" + std::to_string(height) + ", " +
-                           std::to_string(camera.scene().luminaires.size()) + " luminaires: ";
+  const std::size_t count = camera.scene().luminaires.size();
+  const std::string size = std::to_string(width) + "x" + std::to_string(height) + ", " + std::to_string(count) +
+                           (count == 1 ? " luminaire: " : " luminaires: ");
   const auto add = [&](const std::string& what, const char* quantity, double ours, double paper) {
     rows.push_back({"Fig. 10", luminaire.name, size + what, quantity, ours, paper});
   };
