@@ -19,7 +19,7 @@ std::vector<StudyLook> looks(bool first, bool quick) {
   std::vector<StudyLook> all{{.visibility = Visibility::tile}};
   if (quick && !first) return {};
   if (!first) return all;
-  for (const double roughness : quick ? std::vector{0.3, 0.1} : std::vector{0.5, 0.3, 0.2, 0.1, 0.05})
+  for (const double roughness : quick ? std::vector{0.2} : std::vector{0.5, 0.3, 0.2, 0.1, 0.05})
     all.push_back({.visibility = Visibility::tile, .roughness = roughness});
   return all;
 }
