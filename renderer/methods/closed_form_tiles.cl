@@ -30,32 +30,9 @@
 #include "renderer/methods/closed_form_axis.clh"
 #include "renderer/methods/closed_form_horizon.clh"
 #include "renderer/methods/closed_form_sum.clh"
+#include "renderer/methods/tile_sight.clh"
 #include "renderer/methods/closed_form_moments.clh"
 #include "renderer/methods/gloss.clh"
-
-// What the light of a tile of a cell is weighed by.
-INLINE float share(const ClosedFormTiles* tiles, __global const uint* bits, int column, int row) {
-  if (tiles->row_words == 0) return 1;
-  return (bits[row * tiles->row_words + column / 32] >> (column & 31)) & 1;
-}
-
-typedef struct {
-  float of[TILES][TILES];  // by row and column of the cell's tiles
-  int any;
-} Shares;
-
-INLINE Shares shares_of(const ClosedFormTiles* tiles, __global const uint* bits, int column, int row) {
-  const int n = TILES;
-  Shares shares;
-  float sum = 0;
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) sum += shares.of[j][i] = share(tiles, bits, column + i, row + j);
-  shares.any = sum > 0;
-  if (tiles->mean)
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i) shares.of[j][i] = sum / (n * n);
-  return shares;
-}
 
 // A receiver and what its cells have in common.
 typedef struct {
@@ -69,7 +46,7 @@ typedef struct {
 
 // Of a cell: its place among the tiles.
 typedef struct {
-  Shares shares;
+  CellSight sight;
   float deepest;  // n·(u − p), least on the support
   int column, row;
 } TileCell;
@@ -106,7 +83,7 @@ INLINE int column_weights(const TileView* t, const TileCell* cell, const Moments
     for (int e = 0; e < ENDS; ++e) w->plain[c][e] = w->rising[c][e] = 0;
   int any = 0;
   for (int i = 0; i < SUBTILES; ++i) {
-    const float v = cell->shares.of[TILE_OF(along_u(t, j))][TILE_OF(along_u(t, i))];
+    const float v = cell->sight.share[TILE_OF(along_u(t, j))][TILE_OF(along_u(t, i))];
     if (v == 0) continue;
     any = 1;
 #if LOBES == 0
@@ -196,7 +173,7 @@ INLINE void add_cut_cell(const TileView* t, const TileCell* cell, double k, cons
   const HorizonPlane g = {k, t->x.tilt, t->y.tilt};
   for (int v = 0; v < SUBTILES; ++v)
     for (int u = 0; u < SUBTILES; ++u) {
-      const float seen = cell->shares.of[TILE_OF(along_u(t, v))][TILE_OF(along_u(t, u))];
+      const float seen = cell->sight.share[TILE_OF(along_u(t, v))][TILE_OF(along_u(t, u))];
       const double4 whole = (double4)(-HALF + u * LENGTH, -HALF + (u + 1) * LENGTH,
                                       -HALF + v * LENGTH, -HALF + (v + 1) * LENGTH);
       if (seen == 0 || highest(&g, whole) <= 0) continue;
@@ -258,8 +235,8 @@ INLINE void add_cell_row(const ClosedFormGeometry* geometry, const ClosedFormTil
       const double k = center_of(view, cell);
       TileCell of = {.deepest = (float)(k - view->span), .column = tiles->first_column + cell.column,
                      .row = tiles->first_row + row};
-      of.shares = shares_of(tiles, t->bits, of.column, of.row);
-      if (x.count == 0 || !of.shares.any || k + view->span <= 0) continue;
+      of.sight = sight_of(t->bits, tiles->row_words, tiles->mean, of.column, of.row);
+      if (x.count == 0 || !of.sight.any || k + view->span <= 0) continue;
       const SeenPixels at = {images + view->level.offset + (size_t)cell.image * geometry->plane +
                                  (size_t)y.first * view->level.stride + x.first,
                              geometry->plane, view->level.stride};

@@ -13,6 +13,7 @@
 #include "renderer/methods/sampling_shared.h"
 #include "renderer/methods/sampling_view.clh"
 #include "renderer/methods/gloss.clh"
+#include "renderer/methods/tile_sight.clh"
 #include "renderer/methods/sampling_look.clh"
 
 // The geometry's corner is the table's first q, width, height and plane the table's. center: of the grid on U.

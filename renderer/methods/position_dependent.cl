@@ -22,6 +22,7 @@
 #include "renderer/methods/sampling_shared.h"
 #include "renderer/methods/sampling_view.clh"
 #include "renderer/methods/gloss.clh"
+#include "renderer/methods/tile_sight.clh"
 #include "renderer/methods/sampling_look.clh"
 #include "renderer/methods/sampling_box.clh"
 
@@ -252,7 +253,7 @@ __kernel void position_dependent(const SamplingGeometry geometry, __global const
     if (samples <= 0) continue;
     double part[VALUES];
     for (int c = 0; c < VALUES; ++c) part[c] = 0;
-    const CellSight sight = sight_of(&looks, bits, id, cell.number);
+    const CellSight sight = sight_of_cell(&looks, bits, id, cell.number);
     add_samples(&geometry, &view, &cell, &box, on_u, a, image, table, columns + (size_t)m * geometry.columns, points,
                 lobes + (LOBES > 0 ? id : 0), &sight, id, samples, part);
     const double scale = (on_u ? 4 * HALF * HALF : a / rates) / kappa;

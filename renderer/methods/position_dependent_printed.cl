@@ -13,6 +13,7 @@
 #include "renderer/methods/sampling_shared.h"
 #include "renderer/methods/sampling_view.clh"
 #include "renderer/methods/gloss.clh"
+#include "renderer/methods/tile_sight.clh"
 #include "renderer/methods/sampling_look.clh"
 #include "renderer/methods/sampling_box.clh"
 
@@ -96,7 +97,7 @@ __kernel void position_dependent_printed(const SamplingGeometry geometry, __glob
     const int samples = (int)floor(kappa + 0.5);
     const double2 u_m = (double2)(cell.u_x, cell.u_y);
     const uint first = first_point(&geometry, 0, (uint)id);
-    const CellSight sight = sight_of(&looks, bits, id, cell.number);
+    const CellSight sight = sight_of_cell(&looks, bits, id, cell.number);
     double part[VALUES];
     for (int c = 0; c < VALUES; ++c) part[c] = 0;
     for (int k = 0; k < samples; ++k) {

@@ -12,6 +12,7 @@
 #include "renderer/methods/sampling_shared.h"
 #include "renderer/methods/sampling_view.clh"
 #include "renderer/methods/gloss.clh"
+#include "renderer/methods/tile_sight.clh"
 #include "renderer/methods/sampling_look.clh"
 
 // How far sixteen lights lie from a place along one axis, pixels. Near each other two floats differ exactly, so that what
@@ -38,7 +39,7 @@ __kernel void precomputed_lights(const SamplingGeometry geometry, __global const
   for (int c = 0; c < VALUES; ++c) sum[c] = 0;
   for (int m = 0; m < geometry.cells; ++m) {
     const SamplingCell cell = cells[m];
-    const CellSight sight = sight_of(&looks, bits, id, cell.number);
+    const CellSight sight = sight_of_cell(&looks, bits, id, cell.number);
     // Places count from where the support's centre shows, between the planes from p, about which n·(u − p) is linear too:
     // near U it is of the size of the height there, and cancels about the centre.
     const double2 center = on_s_px(&geometry, &view, (double2)(cell.u_x, cell.u_y));

@@ -12,6 +12,7 @@
 #include "renderer/methods/sampling_shared.h"
 #include "renderer/methods/sampling_view.clh"
 #include "renderer/methods/gloss.clh"
+#include "renderer/methods/tile_sight.clh"
 #include "renderer/methods/sampling_look.clh"
 
 __kernel void uniform_box(const SamplingGeometry geometry, __global const SamplingReceiver* receivers,
@@ -34,7 +35,7 @@ __kernel void uniform_box(const SamplingGeometry geometry, __global const Sampli
     const double height = center_height(&view, cell.u_x, cell.u_y);
     __global const float* image = images + (size_t)m * CHANNELS * geometry.plane;
     const uint first = first_point(&geometry, (uint)cell.number, (uint)id);
-    const CellSight sight = sight_of(&looks, bits, id, cell.number);
+    const CellSight sight = sight_of_cell(&looks, bits, id, cell.number);
     for (int k = 0; k < samples; ++k) {
       const float2 xi = sample_point(&geometry, points, &cell, first, k);
       const float2 tau = (float)HALF * (2 * xi - 1);

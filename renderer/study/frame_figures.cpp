@@ -37,7 +37,7 @@ class Frame {
 
   Status prepare(int width_px, int height_px);
   /// Of a method that has nothing yet: kernel time. What it hands over and shows is in `hand_over_s` and `show_s`.
-  Result<double> light(DeviceMethod& method, double piece_s);
+  Result<double> light(DeviceMethod& method, double each_s);
   Result<double> step(SamplingSteps steps) {
     auto method = ImageSamplerDevice::create(light_field_.geometry(), {.method = Method::position_dependent}, steps);
     if (!method) return tl::unexpected(method.error());
@@ -79,14 +79,14 @@ Status Frame::prepare(int width_px, int height_px) {
   return there;
 }
 
-Result<double> Frame::light(DeviceMethod& method, double piece_s) {
+Result<double> Frame::light(DeviceMethod& method, double each_s) {
   if (const Status set = method.set_cells(light_field_); !set) return tl::unexpected(set.error());
   Watch watch;
   if (const Status set = method.set_receivers(receivers_, appearance_); !set) return tl::unexpected(set.error());
   hand_over_s = watch.lap_s();
   for (bool all = false; !all;) {
     if (!progress_(0, luminaire_.name + ", a whole frame")) return study_stopped();
-    const auto done = method.evaluate(piece_s);
+    const auto done = method.evaluate(each_s);
     if (!done) return tl::unexpected(done.error());
     all = *done;
   }

@@ -180,9 +180,7 @@ StabilityCase with_look(StabilityCase each, StabilityLook look) {
   for (std::size_t k = 0; k < each.receivers.size(); ++k)
     for (int row = 0; row < visible.grid.rows; ++row)
       for (int column = 0; column < visible.grid.columns; ++column)
-        if ((2 * column + 3 * row + static_cast<int>(k)) % 5 < 3 - (column + row) % 2)
-          visible.words[k * visible.receiver_words() + static_cast<std::size_t>(row) * visible.row_words() +
-                        static_cast<std::size_t>(column / 32)] |= 1U << (column % 32);
+        if ((2 * column + 3 * row + static_cast<int>(k)) % 5 < 3 - (column + row) % 2) visible.set_seen(k, column, row);
   if (look == StabilityLook::half_shadow) return each;
   constexpr float roughness = 0.3F;
   const Vec2 center = each.geometry.sampling.center_mm;

@@ -103,8 +103,8 @@ bool RayVisibility::sees(const Vec3& p_mm, const Vec3& face_n, const Vec3& u_mm)
 TileVisibility RayVisibility::see_tiles(const TileGrid& grid, std::span<const float> p_xyzw,
                                         std::span<const float> face_xyzw, ShadowWeighing weighing) const {
   TileVisibility visibility{grid, weighing, {}};
-  const std::size_t receivers = p_xyzw.size() / 4, words = visibility.receiver_words();
-  visibility.words.assign(receivers * words, 0);
+  const std::size_t receivers = p_xyzw.size() / 4;
+  visibility.words.assign(receivers * visibility.receiver_words(), 0);
   const auto vec3 = [](const float* v) { return Vec3(v[0], v[1], v[2]); };
   in_bands(receivers, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -113,9 +113,7 @@ TileVisibility RayVisibility::see_tiles(const TileGrid& grid, std::span<const fl
       for (int row = 0; row < grid.rows; ++row)
         for (int column = 0; column < grid.columns; ++column) {
           const Vec2 u = grid.center_mm(column, row);
-          const std::size_t word = k * words + static_cast<std::size_t>(row) * visibility.row_words() +
-                                   static_cast<std::size_t>(column / 32);
-          if (sees(p, n, Vec3(u.x(), u.y(), 0))) visibility.words[word] |= 1U << (column % 32);
+          if (sees(p, n, Vec3(u.x(), u.y(), 0))) visibility.set_seen(k, column, row);
         }
     }
   });

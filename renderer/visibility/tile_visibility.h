@@ -22,12 +22,19 @@ struct TileVisibility {
   std::size_t row_words() const { return static_cast<std::size_t>((grid.columns + 31) / 32); }
   std::size_t receiver_words() const { return row_words() * static_cast<std::size_t>(grid.rows); }
   bool sees(std::size_t receiver, int column, int row) const {
-    const std::size_t word = receiver * receiver_words() + static_cast<std::size_t>(row) * row_words() +
-                             static_cast<std::size_t>(column / 32);
-    return words[word] >> (column % 32) & 1;
+    return words[word_of(receiver, column, row)] >> (column % 32) & 1;
+  }
+  void set_seen(std::size_t receiver, int column, int row) {
+    words[word_of(receiver, column, row)] |= 1U << (column % 32);
   }
   /// What the light of tile (column, row) from one cell is multiplied by: the bit, or the mean of the cell's n² tiles.
   double share(std::size_t receiver, CellIndex cell, int column, int row) const;
+
+ private:
+  std::size_t word_of(std::size_t receiver, int column, int row) const {
+    return receiver * receiver_words() + static_cast<std::size_t>(row) * row_words() +
+           static_cast<std::size_t>(column / 32);
+  }
 };
 
 /// What a receiver sees of all tiles.

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "renderer/renderer.h"
+#include "tests/support/egl_fixture.h"
 
 namespace lumifield {
 namespace {
@@ -51,13 +52,8 @@ Seen at(const GBuffer& g, int x, int y) {
           g.normal[i + 3]};
 }
 
-class GBufferTest : public testing::Test {
+class GBufferTest : public test::WithEgl {
  protected:
-  void SetUp() override {
-    auto made = EglContext::create();
-    if (!made) GTEST_SKIP() << made.error().message();
-    context_ = std::move(*made);
-  }
   GBuffer draw(const Mesh& mesh, const SceneCamera& camera, int width, int height) {
     auto pass = GBufferPass::create(*context_, mesh);
     EXPECT_TRUE(pass) << pass.error().message();
@@ -65,7 +61,6 @@ class GBufferTest : public testing::Test {
     EXPECT_TRUE(drawn) << drawn.error().message();
     return *drawn;
   }
-  std::unique_ptr<EglContext> context_;
 };
 
 TEST_F(GBufferTest, PositionsAreTheRaysHitsOnASlantedTriangle) {

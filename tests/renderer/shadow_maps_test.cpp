@@ -4,6 +4,7 @@
 
 #include "renderer/visibility/shadow_map_pass.h"
 #include "renderer/visibility/shadow_mesh.h"
+#include "tests/support/egl_fixture.h"
 #include "tests/support/meshes.h"
 
 namespace lumifield {
@@ -23,13 +24,8 @@ float depth_at(const ShadowMaps& maps, std::size_t map, int i, int j) {
   return maps.depth_mm[map * maps.texels() + static_cast<std::size_t>(j * maps.size_px + i)];
 }
 
-class ShadowMapsTest : public testing::Test {
+class ShadowMapsTest : public test::WithEgl {
  protected:
-  void SetUp() override {
-    auto made = EglContext::create();
-    if (!made) GTEST_SKIP() << made.error().message();
-    context_ = std::move(*made);
-  }
   ShadowMaps draw(const std::vector<TestTriangle>& triangles, const std::vector<ShadowView>& views, int size_px,
                   const Pose& pose = Pose::Identity()) {
     auto pass = ShadowMapPass::create(*context_, mesh_of(triangles, pose));
@@ -38,7 +34,6 @@ class ShadowMapsTest : public testing::Test {
     EXPECT_TRUE(drawn) << drawn.error().message();
     return *drawn;
   }
-  std::unique_ptr<EglContext> context_;
 };
 
 const ShadowView to_the_side = {{12, -7, 0}, {-0.4, -1.3}, {1.1, 0.2}};

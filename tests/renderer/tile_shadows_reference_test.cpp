@@ -5,6 +5,7 @@
 #include "renderer/renderer.h"
 #include "renderer/visibility/ray_visibility.h"
 #include "renderer/visibility/tile_shadows.h"
+#include "tests/support/egl_fixture.h"
 #include "tests/support/meshes.h"
 
 namespace lumifield {
@@ -42,18 +43,16 @@ Outcome outcome(const ShadowView& view, const float* depths, int size_px, double
   return out;
 }
 
-class TileShadowsReferenceTest : public testing::Test {
+class TileShadowsReferenceTest : public test::WithEgl {
  protected:
   void SetUp() override {
-    auto made = EglContext::create();
-    if (!made) GTEST_SKIP() << made.error().message();
-    context_ = std::move(*made);
+    WithEgl::SetUp();
+    if (IsSkipped()) return;
     if (const auto opencl = probe_opencl(); !opencl) GTEST_SKIP() << opencl.error().message();
     scene_ = read_scene(LUMIFIELD_SOURCE_DIR "/resources/scenes/pillars/scene.json").value();
     mesh_ = read_mesh(scene_.mesh, scene_.materials).value();
     pose_ = scene_.luminaires[0].pose;
   }
-  std::unique_ptr<EglContext> context_;
   Scene scene_;
   Mesh mesh_;
   Pose pose_;

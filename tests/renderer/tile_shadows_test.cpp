@@ -7,6 +7,7 @@
 #include "renderer/renderer.h"
 #include "renderer/visibility/ray_visibility.h"
 #include "renderer/visibility/tile_visibility_shared.h"
+#include "tests/support/egl_fixture.h"
 #include "tests/support/meshes.h"
 
 namespace lumifield {
@@ -26,12 +27,11 @@ TilePositions positions_on(const LuminaireGeometry& geometry) {
   return positions;
 }
 
-class TileShadowsTest : public testing::Test {
+class TileShadowsTest : public test::WithEgl {
  protected:
   void SetUp() override {
-    auto made = EglContext::create();
-    if (!made) GTEST_SKIP() << made.error().message();
-    context_ = std::move(*made);
+    WithEgl::SetUp();
+    if (IsSkipped()) return;
     if (const auto opencl = probe_opencl(); !opencl) GTEST_SKIP() << opencl.error().message();
   }
   std::unique_ptr<TileShadows> shadows_in(const Mesh& mesh) {
@@ -44,7 +44,6 @@ class TileShadowsTest : public testing::Test {
     EXPECT_TRUE(seen) << seen.error().message();
     return *seen;
   }
-  std::unique_ptr<EglContext> context_;
 };
 
 int not_seen(const TileVisibility& visible, std::size_t receivers) {

@@ -47,7 +47,8 @@ TEST(TileVisibility, HasAsManyWordsAsColumnsNeed) {
   TileVisibility visible{.grid = TileGrid({BasisKind::tent, {1, 1}, 40, 3, {0, 0}}), .words = {}};
   ASSERT_EQ(visible.row_words(), 2U);
   visible.words.assign(visible.receiver_words(), 0);
-  visible.words[2 * 2 + 1] = 1U << 8;
+  visible.set_seen(0, 40, 2);
+  EXPECT_EQ(visible.words[2 * 2 + 1], 1U << 8);
   EXPECT_TRUE(visible.sees(0, 40, 2));
   EXPECT_FALSE(visible.sees(0, 40, 1));
 }

@@ -17,9 +17,7 @@ inline TileVisibility random_visibility(const Sampling& sampling, std::size_t re
     const double share = static_cast<double>(random() % 5) / 4;
     for (int row = 0; row < visible.grid.rows; ++row)
       for (int column = 0; column < visible.grid.columns; ++column)
-        if (std::generate_canonical<double, 53>(random) < share)
-          visible.words[k * visible.receiver_words() + static_cast<std::size_t>(row) * visible.row_words() +
-                        static_cast<std::size_t>(column / 32)] |= 1U << (column % 32);
+        if (std::generate_canonical<double, 53>(random) < share) visible.set_seen(k, column, row);
   }
   return visible;
 }
