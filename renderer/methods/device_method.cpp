@@ -115,6 +115,7 @@ Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry
       return as_method(PrecomputedLightsDevice::create(geometry, settings));
     case Method::far_field:
       return as_method(FarFieldDevice::create(geometry, settings));
+    case Method::shift_invariant:
     case Method::reference:
       return std::make_unique<HostEvaluation>(geometry, settings);
   }

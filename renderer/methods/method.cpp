@@ -22,6 +22,9 @@ constexpr std::array all{
                "light samples of the whole luminaire, the same for all receivers", MethodCost::lights, 10'000},
     MethodInfo{Method::far_field, "far-field", "the luminaire as a point with an intensity distribution",
                MethodCost::none, 0},
+    MethodInfo{Method::shift_invariant, "shift-invariant",
+               "a textured spotlight at the centre of each cell, by OpenGL (Granier 2003): a fast preview",
+               MethodCost::none, 0},
     MethodInfo{Method::reference, "reference",
                "closed-form in double precision on the host, exact: what kernels are judged by", MethodCost::none, 0},
 };
