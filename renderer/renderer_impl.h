@@ -31,8 +31,8 @@ struct Renderer::Impl {
 
   std::optional<LuminaireGeometry> geometry;
   MethodSettings settings;
-  std::unique_ptr<ClosedFormDevice> device;  ///< of the closed form, else null
-  std::unique_ptr<DeviceMethod> method;      ///< of the others, else null
+  std::unique_ptr<RunningSums> device;   ///< of methods whose cells share nothing, else null
+  std::unique_ptr<DeviceMethod> method;  ///< of the others, else null
   bool method_has_cells = false;
   std::vector<std::shared_ptr<const CellImage>> cells;   ///< by Sampling::flat, null while unmeasured
   std::vector<std::shared_ptr<const CellImage>> summed;  ///< as they are in the device's sums

@@ -112,7 +112,7 @@ Status Renderer::Impl::add(const std::vector<int>& flats) {
     const auto& image = cells[static_cast<std::size_t>(flat)];
     const auto& before = summed[static_cast<std::size_t>(flat)];
     if (before || flats.size() == 1) {
-      if (const Status added = device->add_cell(index, *image, before.get()); !added) return added;
+      if (const Status added = device->replace_cell(index, image, before); !added) return added;
       continue;
     }
     indices.push_back(index);

@@ -1,12 +1,14 @@
 #include "renderer/methods/device_method.h"
 
 #include "luminaire/dataset.h"
-#include "renderer/methods/closed_form_evaluation.h"
+#include "renderer/methods/closed_form.h"
 #include "renderer/methods/far_field_device.h"
 #include "renderer/methods/host_evaluation.h"
 #include "renderer/methods/host_method.h"
 #include "renderer/methods/image_sampler_device.h"
 #include "renderer/methods/precomputed_lights_device.h"
+#include "renderer/methods/summed_evaluation.h"
+#include "renderer/shift_invariant/shift_invariant_device.h"
 
 namespace lumifield {
 
@@ -99,6 +101,13 @@ Result<std::unique_ptr<DeviceMethod>> as_method(Result<std::unique_ptr<Device>> 
   return std::move(*device);
 }
 
+template <class Sums>
+Result<std::unique_ptr<DeviceMethod>> summed(const LuminaireGeometry& geometry, const MethodSettings& settings,
+                                             Result<std::unique_ptr<Sums>> sums) {
+  if (!sums) return tl::unexpected(sums.error());
+  return as_method(SummedEvaluation::create(geometry, settings, std::move(*sums)));
+}
+
 }  // namespace
 
 Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry& geometry,
@@ -106,7 +115,7 @@ Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry
   if (const Status good = check_settings(settings); !good) return tl::unexpected(good.error());
   switch (settings.method) {
     case Method::closed_form:
-      return as_method(ClosedFormEvaluation::create(geometry, settings));
+      return summed(geometry, settings, ClosedFormDevice::create(geometry));
     case Method::position_dependent:
     case Method::position_dependent_printed:
     case Method::uniform_box:
@@ -116,6 +125,7 @@ Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry
     case Method::far_field:
       return as_method(FarFieldDevice::create(geometry, settings));
     case Method::shift_invariant:
+      return summed(geometry, settings, ShiftInvariantDevice::create(geometry, settings.spots));
     case Method::reference:
       return std::make_unique<HostEvaluation>(geometry, settings);
   }

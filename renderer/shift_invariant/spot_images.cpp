@@ -6,18 +6,24 @@
 namespace lumifield {
 
 int coarsest_spot_level(int width_px, int height_px) {
-  const auto pads_little = [](long size, int level) {
-    const long unit = 1L << level, padded = (size + unit - 1) / unit * unit;
-    return 8 * (padded - size) <= size;
-  };
+  const auto pads_little = [](int size, int level) { return 8L * (padded_spot_size(size, level) - size) <= size; };
   int level = 0;
   while (level < 12 && pads_little(width_px, level + 1) && pads_little(height_px, level + 1)) ++level;
   return level;
 }
 
+int padded_spot_size(int size_px, int coarsest) {
+  const int unit = 1 << coarsest;
+  return (size_px + unit - 1) / unit * unit;
+}
+
+double spot_width(const Basis& basis) {
+  const double half = basis.half_support();
+  return 2 * std::sqrt(basis.moment(2, -half, half));
+}
+
 double spot_level(const Basis& basis, const Vec2& rate, int coarsest) {
-  const double half = basis.half_support(), variance = basis.moment(2, -half, half);
-  const double width = 2 * std::sqrt(variance) * rate.cwiseAbs().maxCoeff();
+  const double width = spot_width(basis) * rate.cwiseAbs().maxCoeff();
   return width > 1 ? std::min(std::log2(width), static_cast<double>(coarsest)) : 0;
 }
 

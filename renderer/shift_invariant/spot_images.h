@@ -13,6 +13,11 @@ namespace lumifield {
 /// pixels to less than its half, so images are padded with 0 to a multiple of 2^coarsest; the coarsest level is the one
 /// that pads a side by at most an eighth.
 int coarsest_spot_level(int width_px, int height_px);
+/// A side, so padded.
+int padded_spot_size(int size_px, int coarsest);
+
+/// Twice φ's standard deviation: how wide a look-up at level 0 is, in spacings.
+double spot_width(const Basis& basis);
 
 /// The level whose look-up blurs as wide as the basis: a bilinear look-up between means of 2^ℓ pixels has on average
 /// the variance 4^ℓ/4, φ over `rate` pixels a spacing the variance rate² ∫τ²φ. Of both axes the wider. Between 0 and

@@ -18,8 +18,8 @@ namespace lumifield {
 /// tile_center: from the tile's centre on U. The map shows the images on S, widened by half a tile a side: a light ray
 /// of the tile that passes the image at s on its way to a receiver with Δ ≥ −δ/2 passes S, as seen from the centre, at
 /// most half a tile beside s. A texel is as large a patch of S for all tiles, moved by a part of one from tile to tile,
-/// so that the steps of a shadow's edge do not add up; nothing depends on the cells. A receiver outside the map sees the
-/// tile: from Δ = −δ/2 on, no measured light comes to it from there.
+/// so that the steps of a shadow's edge do not add up; nothing depends on the cells. A receiver outside the map sees
+/// the tile: from Δ = −δ/2 on, no measured light comes to it from there.
 ///
 /// published: from TilePositions on S (Lu 2015, Sec. 6.2), by receivers beyond S; those with Δ ≤ 0 are seen from
 /// tile_center's. A tile that has no position is seen by all beyond S.
@@ -58,6 +58,13 @@ struct ShadowPlan {
   std::array<std::vector<int>, 2> maps_of;
   bool operator==(const ShadowPlan&) const = default;
 };
+
+/// From e on U: the images on S, widened by `half_mm` a side, half of what of U sees by the map.
+ShadowView view_from_u(const LuminaireGeometry& geometry, const Vec2& e_mm, const Vec2& half_mm);
+
+/// The view one texel wider, its texels moved by a part of one that is another for each map: where all maps' texels lay
+/// alike the steps of a shadow's edge would add up. The parts are those of the R2 sequence (Roberts 2018).
+ShadowView with_own_texels(ShadowView view, int map_px, std::size_t number);
 
 /// Of a map, in shares of the distance along z: ε and the texels' part.
 double bias_of(const ShadowView& view, const ShadowSettings& settings);
