@@ -67,7 +67,7 @@ class ClosedFormDevice final : public RunningSums {
   /// Level of detail T: each receiver sums over means of 2^ℓ×2^ℓ pixels, so coarse that a support spans at most T
   /// pixels an axis. 0, the default, is exact. Takes effect at the next set_receivers, which clears the sums; adding
   /// and replacing cells then keeps to it. Errors: negative or not finite.
-  Status set_lod(double pixels_per_support) override;
+  Status set_lod(double pixels_per_support);
 
   Status set_receivers(std::span<const Receiver> receivers, const Appearance& appearance = {}) override;
   Status set_receivers(std::span<const float> p_xyzw, std::span<const float> n_xyzw,

@@ -101,11 +101,18 @@ Result<std::unique_ptr<DeviceMethod>> as_method(Result<std::unique_ptr<Device>> 
   return std::move(*device);
 }
 
-template <class Sums>
-Result<std::unique_ptr<DeviceMethod>> summed(const LuminaireGeometry& geometry, const MethodSettings& settings,
-                                             Result<std::unique_ptr<Sums>> sums) {
+Result<std::unique_ptr<DeviceMethod>> closed_form(const LuminaireGeometry& geometry, const MethodSettings& settings) {
+  auto sums = ClosedFormDevice::create(geometry);
   if (!sums) return tl::unexpected(sums.error());
-  return as_method(SummedEvaluation::create(geometry, settings, std::move(*sums)));
+  if (Status set = (*sums)->set_lod(settings.lod); !set) return tl::unexpected(set.error());
+  return std::make_unique<SummedEvaluation>(geometry, settings, std::move(*sums));
+}
+
+Result<std::unique_ptr<DeviceMethod>> shift_invariant(const LuminaireGeometry& geometry,
+                                                      const MethodSettings& settings) {
+  auto sums = ShiftInvariantDevice::create(geometry, settings.spots);
+  if (!sums) return tl::unexpected(sums.error());
+  return std::make_unique<SummedEvaluation>(geometry, settings, std::move(*sums));
 }
 
 }  // namespace
@@ -115,7 +122,7 @@ Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry
   if (const Status good = check_settings(settings); !good) return tl::unexpected(good.error());
   switch (settings.method) {
     case Method::closed_form:
-      return summed(geometry, settings, ClosedFormDevice::create(geometry));
+      return closed_form(geometry, settings);
     case Method::position_dependent:
     case Method::position_dependent_printed:
     case Method::uniform_box:
@@ -125,7 +132,7 @@ Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry
     case Method::far_field:
       return as_method(FarFieldDevice::create(geometry, settings));
     case Method::shift_invariant:
-      return summed(geometry, settings, ShiftInvariantDevice::create(geometry, settings.spots));
+      return shift_invariant(geometry, settings);
     case Method::reference:
       return std::make_unique<HostEvaluation>(geometry, settings);
   }

@@ -41,6 +41,10 @@ std::span<const MethodInfo> methods();
 const MethodInfo& info(Method method);
 std::string_view to_string(Method method);
 std::optional<Method> method_from_string(std::string_view name);
+/// Its cells share nothing: one that comes is added to what there is (running_sums.h).
+bool is_additive(Method method);
+/// Its device is one of OpenCL.
+bool needs_opencl(Method method);
 
 inline constexpr double most_samples = 1e7, most_lights = 4e6;
 /// Below one pixel a support a level of detail is nonsense: all that an image has of a cell would be one value.

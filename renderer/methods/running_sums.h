@@ -18,10 +18,6 @@ class RunningSums {
  public:
   virtual ~RunningSums() = default;
 
-  /// Level of detail T, pixels per support and axis, from the next set_receivers on; 0, the default, is exact. Errors:
-  /// negative or not finite.
-  virtual Status set_lod(double pixels_per_support) = 0;
-
   /// Replaces the receivers and clears the sums. A receiver with n = 0 gets 0 (background of a picture).
   /// After an error of the device there are none. For pictures: 4 floats each, interleaved, p in mm and n, luminaire
   /// frame.

@@ -8,15 +8,6 @@
 
 namespace lumifield {
 
-Result<std::unique_ptr<SummedEvaluation>> SummedEvaluation::create(const LuminaireGeometry& geometry,
-                                                                   const MethodSettings& settings,
-                                                                   std::unique_ptr<RunningSums> sums) {
-  if (Status set = sums->set_lod(settings.lod); !set) return tl::unexpected(set.error());
-  std::unique_ptr<SummedEvaluation> made(new SummedEvaluation(geometry, settings));
-  made->sums_ = std::move(sums);
-  return made;
-}
-
 Status SummedEvaluation::take_cells(const LightField& light_field) {
   cells_.clear();
   images_.clear();

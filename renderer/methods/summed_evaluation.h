@@ -13,15 +13,12 @@ namespace lumifield {
 /// computed before the last. Samples and seed count for nothing. Thread-bound.
 class SummedEvaluation final : public DeviceMethod {
  public:
-  /// Errors: those of set_lod.
-  static Result<std::unique_ptr<SummedEvaluation>> create(const LuminaireGeometry& geometry,
-                                                          const MethodSettings& settings,
-                                                          std::unique_ptr<RunningSums> sums);
+  SummedEvaluation(const LuminaireGeometry& geometry, const MethodSettings& settings, std::unique_ptr<RunningSums> sums)
+      : DeviceMethod(geometry, settings), sums_(std::move(sums)) {}
   std::string device_name() const override { return sums_->device_name(); }
   double kernel_s() const override { return kernel_s_; }
 
  private:
-  using DeviceMethod::DeviceMethod;
   Status take_cells(const LightField& light_field) override;
   Status take_receivers(std::span<const Receiver> receivers) override;
   Status begin() override;

@@ -12,8 +12,8 @@
 #include "renderer/shift_invariant/spot_depths.h"
 #include "renderer/shift_invariant/spot_program.h"
 #include "renderer/shift_invariant/spot_receivers.h"
-#include "renderer/shift_invariant/spot_totals.h"
 #include "renderer/shift_invariant/spot_textures.h"
+#include "renderer/shift_invariant/spot_totals.h"
 
 namespace lumifield {
 
@@ -106,6 +106,11 @@ std::string ShiftInvariantDevice::device_name() const { return impl_->context.de
 double ShiftInvariantDevice::last_kernel_s() const { return impl_->last_kernel_s; }
 int ShiftInvariantDevice::lighting_passes() const { return impl_->lighting_passes; }
 int ShiftInvariantDevice::depth_passes() const { return impl_->depth_passes; }
+int ShiftInvariantDevice::times_drawn() const {
+  int times = 0;
+  for (const Part& part : impl_->parts) times += part.depths.times_drawn();
+  return times;
+}
 
 Result<std::unique_ptr<ShiftInvariantDevice>> ShiftInvariantDevice::create(const LuminaireGeometry& geometry,
                                                                            const SpotSettings& settings) {
@@ -147,11 +152,6 @@ Status ShiftInvariantDevice::set_scene(SpotScene scene) {
     return fail("nothing is there that casts shadows", "shadows", "set the occluders first");
   impl_->scene = std::move(scene);
   return {};
-}
-
-Status ShiftInvariantDevice::set_lod(double pixels_per_support) {
-  if (pixels_per_support == 0) return {};
-  return fail("shift-invariant has none to set", "level of detail", "leave it 0, or use closed-form");
 }
 
 Status ShiftInvariantDevice::set_receivers(std::span<const Receiver> receivers, const Appearance& appearance) {

@@ -46,8 +46,6 @@ class ShiftInvariantDevice final : public RunningSums {
   /// The next receivers have their maps drawn anew.
   void forget_maps();
 
-  /// It has no level of detail of its own to set: refuses all but 0.
-  Status set_lod(double pixels_per_support) override;
   Status set_receivers(std::span<const Receiver> receivers, const Appearance& appearance = {}) override;
   Status set_receivers(std::span<const float> p_xyzw, std::span<const float> n_xyzw,
                        const Appearance& appearance = {}) override;
@@ -63,6 +61,8 @@ class ShiftInvariantDevice final : public RunningSums {
   /// Since the receivers were set, of one placement.
   int lighting_passes() const;
   int depth_passes() const;
+  /// How often maps have been drawn, of all placements.
+  int times_drawn() const;
 
  private:
   struct Impl;

@@ -30,8 +30,9 @@ class SpotDepths {
   Status draw(ShadowMapPass& pass, std::span<const CellIndex> cells);
   void forget();
   void bind(int unit);
-  /// Maps drawn, in all.
+  /// Maps drawn, in all, and how often some were.
   int drawn() const { return drawn_; }
+  int times_drawn() const { return times_drawn_; }
 
  private:
   Status make_room();
@@ -40,7 +41,7 @@ class SpotDepths {
   LuminaireGeometry geometry_;
   int map_px_ = 0;
   std::vector<bool> there_;  ///< by Sampling::flat
-  int drawn_ = 0;
+  int drawn_ = 0, times_drawn_ = 0;
   GlTexture texture_;
 };
 
