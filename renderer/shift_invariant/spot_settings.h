@@ -13,7 +13,8 @@ enum class SpotLookUp { weighted, textured };
 ///
 /// float32: one float a channel.
 /// srgbe: 8 bits a channel with a shared signed exponent (srgbe.h), read, added to and written by every pass: what
-/// hardware without blending of floats did (Granier et al. 2003, Sec. 4.2).
+/// hardware without blending of floats did (Granier et al. 2003, Sec. 4.2). Each pass rounds by up to 0.78 % of the
+/// largest channel; of 63 cells the RMS error is 0.5 % with X = 16, 1 % with X = 3 and 2.3 % with X = 1.
 enum class SpotSums { float32, srgbe };
 
 /// Of the method shift-invariant. Value type.

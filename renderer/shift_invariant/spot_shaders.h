@@ -257,20 +257,22 @@ constexpr const char* srgbe = R"GLSL(
 #if SRGBE
 float power_of_two(int e) { return uintBitsToFloat(uint(127 + e) << 23); }  // from −126 to 127
 vec4 srgbe(vec3 c) {
-  vec3 magnitude = abs(c);
-  uint most = floatBitsToUint(max(magnitude.r, max(magnitude.g, magnitude.b)));
+  // Magnitudes are ordered as their bits; NaN is above Inf.
+  uvec3 magnitude = floatBitsToUint(c) & 0x7fffffffu;
+  uint most = max(magnitude.r, max(magnitude.g, magnitude.b));
   if (most < 0x00800000u) return vec4(128.0, 128.0, 128.0, 0.0) / 255.0;
-  if (any(isnan(c)) || most >= 0x7f800000u) return vec4(0.0, 0.0, 0.0, 1.0);
+  if (most >= 0x7f800000u) return vec4(0.0, 0.0, 0.0, 1.0);
   int e = clamp(int(most >> 23) - 125, -126, 129);
-  // 2^−e in two steps: that of 129 is no normal float.
-  vec3 m = c * power_of_two(-(e / 2)) * power_of_two(-(e - e / 2));
+  // 2^−e in two steps, as they stand: that of 129 is no normal float.
+  precise vec3 m = c * power_of_two(-(e / 2)) * power_of_two(-(e - e / 2));
   return vec4(clamp(floor(255.0 * m + 128.5), 1.0, 255.0), float(e + 126)) / 255.0;
 }
 vec3 from_srgbe(vec4 texel) {
   vec4 bytes = floor(255.0 * texel + 0.5);
   if (bytes == vec4(0.0, 0.0, 0.0, 255.0)) return vec3(uintBitsToFloat(0x7fc00000u));
   int e = int(bytes.a) - 126;
-  return (bytes.rgb - 128.0) / 255.0 * power_of_two(e / 2) * power_of_two(e - e / 2);
+  precise vec3 c = (bytes.rgb - 128.0) / 255.0 * power_of_two(e / 2) * power_of_two(e - e / 2);
+  return c;
 }
 #endif
 )GLSL";
