@@ -86,7 +86,7 @@ std::vector<double> ShiftInvariant::averages(const View& view, const Cell& cell)
   std::vector<double> sums(geometry_.channels.size(), 0.0);
   if (cell.levels) {
     const double level =
-        spot_level(basis_, view.seen.rate(), coarsest_spot_level(cell.image->width_px, cell.image->height_px));
+        spot_level(basis_, view.seen.rate(), coarsest_level(cell.image->width_px, cell.image->height_px));
     const Vec2 at = view.seen.on_s_px(cell.u_mm, {0, 0});
     for (std::size_t c = 0; c < sums.size(); ++c) sums[c] = cell.levels->look_up(static_cast<int>(c), at, level);
     return sums;

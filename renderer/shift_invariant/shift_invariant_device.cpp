@@ -86,7 +86,7 @@ struct ShiftInvariantDevice::Impl {
               const Appearance& appearance);
   Status take_part(std::size_t number, std::span<const float> p, std::span<const float> n,
                    std::span<const double> numbers, const Appearance& appearance);
-  Result<SpotProgram*> program();
+  Result<SpotProgram*> program(int cells);
   Status draw_maps(std::span<const CellIndex> cells);
   Status light(std::span<const CellIndex> cells, double sign);
   Status pass(std::span<const SpotCell> cells);
@@ -190,7 +190,8 @@ Status ShiftInvariantDevice::Impl::take(std::span<const float> p, std::span<cons
     return fail("they are not as many as the scene has faces, or not alike for its placements", "receivers",
                 "set the scene of these");
   if (const Status current = context.make_current(); !current) return current;
-  variant = {shadows                       ? SpotShadow::maps
+  variant = {1,
+             shadows                       ? SpotShadow::maps
              : !appearance.visible.empty() ? SpotShadow::tiles
                                            : SpotShadow::none,
              !appearance.gloss.empty()};
@@ -211,23 +212,26 @@ Status ShiftInvariantDevice::Impl::take_part(std::size_t number, std::span<const
   const auto part_of = [&](auto list, std::size_t width) {
     return list.empty() ? list : list.subspan(first * width, each * width);
   };
-  const auto floats = [&](std::span<const float> list) { return part_of(list, 4); };
-  if (const Status set =
-          part.receivers.set({floats(p), floats(n), floats(scene.face_xyzw)}, part_of(numbers, 6), scene.columns,
-                             part_of(std::span(appearance.gloss), 1),
-                             part_of(std::span(appearance.visible.words), appearance.visible.receiver_words()));
-      !set)
-    return set;
+  const SpotReceivers::Given given{part_of(p, 4),
+                                   part_of(n, 4),
+                                   part_of(scene.face_xyzw, 4),
+                                   part_of(numbers, 6),
+                                   part_of(std::span(appearance.gloss), 1),
+                                   part_of(std::span(appearance.visible.words), appearance.visible.receiver_words()),
+                                   scene.columns};
+  if (const Status set = part.receivers.set(geometry, given); !set) return set;
   if (variant.shadow == SpotShadow::maps)
     if (const Status set = part.depths.set(scene.poses[number], geometry, settings.shadow_map_px); !set) return set;
-  if (each == 0) return {};
-  auto totals = SpotTotals::create(settings.sums, variant.glossy, part.receivers.columns(), part.receivers.rows());
+  if (part.receivers.empty()) return {};
+  const SpotOrder& order = part.receivers.order();
+  auto totals = SpotTotals::create(settings.sums, variant.glossy, order.columns, order.rows);
   if (!totals) return tl::unexpected(totals.error());
   part.totals = std::move(*totals);
   return {};
 }
 
-Result<SpotProgram*> ShiftInvariantDevice::Impl::program() {
+Result<SpotProgram*> ShiftInvariantDevice::Impl::program(int cells) {
+  variant.cells = cells;
   const auto made = std::ranges::find_if(programs, [&](const SpotProgram& each) { return each.variant() == variant; });
   if (made != programs.end()) return &*made;
   auto program = SpotProgram::create(geometry, settings, variant);
@@ -248,31 +252,36 @@ Status ShiftInvariantDevice::Impl::draw_maps(std::span<const CellIndex> cells) {
 }
 
 Status ShiftInvariantDevice::Impl::pass(std::span<const SpotCell> cells) {
-  const auto drawing = program();
+  const auto drawing = program(static_cast<int>(cells.size()));
   if (!drawing) return tl::unexpected(drawing.error());
   for (Part& part : parts) {
-    if (part.receivers.count() == 0) continue;
+    if (part.receivers.empty()) continue;
     part.receivers.bind();
     images->bind(SpotUnits::images);
     if (variant.shadow == SpotShadow::maps) part.depths.bind(SpotUnits::depths);
     part.totals.begin_pass();
-    (*drawing)->draw(cells, part.receivers.columns());
+    (*drawing)->draw(cells, part.receivers.order().columns);
   }
   ++lighting_passes;
   return gl_status("spotlights");
 }
 
-/// Cells whose images are held, X at a time.
+/// Cells whose images are held, X at a time; what is left in a pass of half as many, or a quarter, so that there are
+/// few programs.
 Status ShiftInvariantDevice::Impl::light(std::span<const CellIndex> cells, double sign) {
   if (const Status drawn = draw_maps(cells); !drawn) return drawn;
-  const auto most = static_cast<std::size_t>(settings.cells_per_pass);
-  for (std::size_t begin = 0; begin < cells.size(); begin += most) {
+  for (std::size_t begin = 0; begin < cells.size();) {
+    auto size = static_cast<std::size_t>(settings.cells_per_pass);
+    while (size / 2 >= cells.size() - begin) size /= 2;
     std::vector<SpotCell> of_pass;
-    for (const CellIndex cell : cells.subspan(begin, std::min(most, cells.size() - begin))) {
+    for (std::size_t k = 0; k < size; ++k) {
+      const bool none = begin + k >= cells.size();
+      const CellIndex cell = cells[none ? begin : begin + k];
       const ShadowView view = spot_view(geometry, cell, settings.shadow_map_px);
-      of_pass.push_back({cell, sign, view, spot_depth_kept(view, settings.shadow_map_px)});
+      of_pass.push_back({cell, none ? 0 : sign, view, spot_depth_kept(view, settings.shadow_map_px)});
     }
     if (const Status done = pass(of_pass); !done) return done;
+    begin += size;
   }
   return {};
 }
@@ -298,13 +307,10 @@ Status ShiftInvariantDevice::add_cells(std::span<const CellIndex> cells,
     std::vector<CellIndex> there;
     for (std::size_t k = 0; k < cells.size(); ++k) {
       if (!images[k]) continue;
-      if (const Status good = check_cell(impl_->geometry, cells[k], *images[k]); !good) return good;
+      if (const Status held = impl_->images->hold(cells[k], images[k]); !held) return held;
       there.push_back(cells[k]);
     }
     if (impl_->count == 0) return {};
-    for (std::size_t k = 0; k < cells.size(); ++k)
-      if (images[k])
-        if (const Status held = impl_->images->hold(cells[k], images[k]); !held) return held;
     return impl_->light(there, 1);
   });
 }
@@ -312,8 +318,7 @@ Status ShiftInvariantDevice::add_cells(std::span<const CellIndex> cells,
 Status ShiftInvariantDevice::replace_cell(CellIndex cell, const std::shared_ptr<const CellImage>& image,
                                           const std::shared_ptr<const CellImage>& before) {
   return impl_->timed([&]() -> Status {
-    if (const Status good = check_cell(impl_->geometry, cell, *image); !good) return good;
-    if (impl_->count == 0) return {};
+    if (impl_->count == 0) return check_cell(impl_->geometry, cell, *image);
     const auto light = [&](const std::shared_ptr<const CellImage>& of, double sign) -> Status {
       if (const Status held = impl_->images->hold(cell, of); !held) return held;
       return impl_->light(std::span(&cell, 1), sign);
@@ -330,10 +335,20 @@ Status ShiftInvariantDevice::Impl::read(bool radiance, std::size_t channels, std
   std::vector<float> rgb;
   double* out = values.data();
   for (Part& part : parts) {
-    if (part.receivers.count() == 0) continue;
-    if (const Status read = part.totals.read(radiance, part.receivers.count(), rgb); !read) return read;
-    for (std::size_t k = 0; k < rgb.size(); k += 3)
-      for (std::size_t c = 0; c < channels; ++c) *out++ = static_cast<double>(rgb[k + c]);
+    const std::vector<std::uint32_t>& receiver = part.receivers.order().receiver;
+    if (!receiver.empty())
+      if (const Status read = part.totals.read(radiance, rgb); !read) return read;
+    for (std::size_t k = 0; k < receiver.size(); ++k) {
+      if (receiver[k] == SpotOrder::none) continue;
+      for (std::size_t c = 0; c < channels; ++c) {
+        const float value = rgb[3 * k + c];
+        if (!std::isfinite(value))
+          return fail("its sum exceeds what a float holds", "receiver " + std::to_string(receiver[k]),
+                      "use closed-form, or take it away from U");
+        out[receiver[k] * channels + c] = static_cast<double>(value);
+      }
+    }
+    out += part.receivers.count() * channels;
   }
   return {};
 }

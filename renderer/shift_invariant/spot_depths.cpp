@@ -1,7 +1,5 @@
 #include "renderer/shift_invariant/spot_depths.h"
 
-#include <array>
-#include <cmath>
 #include <epoxy/gl.h>
 #include <string>
 
@@ -50,9 +48,7 @@ Status SpotDepths::make_room() {
   for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
     glTexParameteri(GL_TEXTURE_2D_ARRAY, filter, GL_NEAREST);
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D_ARRAY, wrap, GL_CLAMP_TO_BORDER);
-  constexpr std::array<float, 4> nothing = {INFINITY, INFINITY, INFINITY, INFINITY};
-  glTexParameterfv(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_BORDER_COLOR, nothing.data());
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, wrap, GL_CLAMP_TO_EDGE);
   return gl_status("shadow maps");
 }
 

@@ -5,18 +5,6 @@
 
 namespace lumifield {
 
-int coarsest_spot_level(int width_px, int height_px) {
-  const auto pads_little = [](int size, int level) { return 8L * (padded_spot_size(size, level) - size) <= size; };
-  int level = 0;
-  while (level < 12 && pads_little(width_px, level + 1) && pads_little(height_px, level + 1)) ++level;
-  return level;
-}
-
-int padded_spot_size(int size_px, int coarsest) {
-  const int unit = 1 << coarsest;
-  return (size_px + unit - 1) / unit * unit;
-}
-
 double spot_width(const Basis& basis) {
   const double half = basis.half_support();
   return 2 * std::sqrt(basis.moment(2, -half, half));
@@ -28,12 +16,8 @@ double spot_level(const Basis& basis, const Vec2& rate, int coarsest) {
 }
 
 SpotImage::SpotImage(const CellImage& image) : image_(&image) {
-  const int coarsest = coarsest_spot_level(image.width_px, image.height_px);
-  for (int c = 0; c < image.channels; ++c) {
-    std::vector<ImageLevel> levels = coarse_levels(image.channel(c), image.width_px, image.height_px);
-    levels.resize(std::min(levels.size(), static_cast<std::size_t>(coarsest)));
-    coarse_.push_back(std::move(levels));
-  }
+  for (int c = 0; c < image.channels; ++c)
+    coarse_.push_back(coarse_levels(image.channel(c), image.width_px, image.height_px));
 }
 
 double SpotImage::texel(int channel, int i, int j, int level) const {
@@ -60,6 +44,24 @@ double SpotImage::look_up(int channel, const Vec2& at_px, double level) const {
   const int below = static_cast<int>(level);
   const double part = level - below, fine = bilinear(channel, at_px, below);
   return part > 0 ? (1 - part) * fine + part * bilinear(channel, at_px, below + 1) : fine;
+}
+
+SpotLayout::SpotLayout(int image_width_px, int image_height_px, bool with_levels)
+    : levels{{0, 0, image_width_px, image_height_px}}, width_px(image_width_px), height_px(image_height_px) {
+  if (!with_levels) return;
+  levels[0].x_px = levels[0].y_px = 1;
+  width_px += 2;
+  height_px += 2;
+  const int column = width_px, coarsest = coarsest_level(image_width_px, image_height_px);
+  int y = 1;
+  for (int level = 1; level <= coarsest; ++level) {
+    const Level& finer = levels.back();
+    const Level next{column + 1, y, (finer.width_px + 1) / 2, (finer.height_px + 1) / 2};
+    levels.push_back(next);
+    y += next.height_px + 2;
+    width_px = std::max(width_px, next.x_px + next.width_px + 1);
+    height_px = std::max(height_px, next.y_px + next.height_px + 1);
+  }
 }
 
 }  // namespace lumifield

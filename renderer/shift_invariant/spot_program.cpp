@@ -47,12 +47,24 @@ std::string basis_defines(const Basis& basis) {
          define("C2", [](const Piece& p) { return p.c[2]; });
 }
 
+SpotLayout layout_of(const LuminaireGeometry& geometry, const SpotSettings& settings) {
+  return {geometry.measurement.width_px, geometry.measurement.height_px, settings.look_up == SpotLookUp::textured};
+}
+
+std::string add_all(int cells) {
+  std::string text;
+  for (int k = 0; k < cells; ++k) text += "add(r, face, eye, lobe, no, " + std::to_string(k) + "); ";
+  return text + "\n";
+}
+
 std::string head_of(const LuminaireGeometry& geometry, const SpotSettings& settings, const SpotVariant& variant) {
   const auto define = [](const char* name, int value) {
     return "#define " + std::string(name) + " " + std::to_string(value) + "\n";
   };
   return "#version 430 core\n" + define("CHANNELS", static_cast<int>(geometry.channels.size())) +
-         define("CELLS", settings.cells_per_pass) + define("WEIGHTED", settings.look_up == SpotLookUp::weighted) +
+         define("CELLS", variant.cells) + "#define ADD_ALL " + add_all(variant.cells) +
+         define("LEVELS", static_cast<int>(layout_of(geometry, settings).levels.size())) +
+         define("WEIGHTED", settings.look_up == SpotLookUp::weighted) +
          define("SHADOW", static_cast<int>(variant.shadow)) + define("TEXELS", settings.shadow_texels) +
          define("GLOSSY", variant.glossy) + define("SRGBE", settings.sums == SpotSums::srgbe) +
          basis_defines(Basis(geometry.sampling.basis));
@@ -128,14 +140,18 @@ void SpotProgram::set_luminaire() const {
     glUniform1d(at("separation"), geometry_.planes.separation_mm);
     glUniform2i(at("size"), m.width_px, m.height_px);
   } else {
-    const int coarsest = coarsest_spot_level(m.width_px, m.height_px);
-    const Vec2 padded(padded_spot_size(m.width_px, coarsest), padded_spot_size(m.height_px, coarsest));
+    const SpotLayout layout = layout_of(geometry_, settings_);
+    std::vector<float> places;
+    for (const SpotLayout::Level& each : layout.levels)
+      for (const int number : {each.x_px, each.y_px, each.width_px, each.height_px})
+        places.push_back(static_cast<float>(number));
     glUniform1f(at("separation"), static_cast<float>(geometry_.planes.separation_mm));
     glUniform1f(at("area"), static_cast<float>(a.prod()));
     set_vec2(at("corner"), corner);
-    set_vec2(at("per_image"), padded.cwiseProduct(m.pixel_mm).cwiseInverse());
+    set_vec2(at("per_pixel"), m.pixel_mm.cwiseInverse());
+    set_vec2(at("per_layer"), Vec2(layout.width_px, layout.height_px).cwiseInverse());
+    glUniform4fv(at("level_places"), static_cast<GLsizei>(layout.levels.size()), places.data());
     set_vec2(at("width"), spot_width(Basis(geometry_.sampling.basis)) * a.cwiseQuotient(m.pixel_mm));
-    glUniform1f(at("coarsest"), static_cast<float>(coarsest));
   }
   const TileGrid grid(geometry_.sampling);
   const int row_words = (grid.columns + 31) / 32;
@@ -161,7 +177,6 @@ void SpotProgram::set_cells(std::span<const SpotCell> cells) const {
     put(tile, {double(each.index.column), double(each.index.row)});
   }
   const auto count = static_cast<GLsizei>(cells.size());
-  glUniform1i(at("cells"), count);
   glUniform4fv(at("cell"), count, cell.data());
   if (settings_.look_up == SpotLookUp::weighted) glUniform2dv(at("center"), count, center.data());
   if (variant_.shadow == SpotShadow::maps) {

@@ -14,6 +14,7 @@ enum class SpotShadow { none, maps, tiles };
 
 /// What a program is made for.
 struct SpotVariant {
+  int cells = 1;  ///< of a pass
   SpotShadow shadow = SpotShadow::none;
   bool glossy = false;
   bool operator==(const SpotVariant&) const = default;
@@ -22,7 +23,7 @@ struct SpotVariant {
 /// A cell of a pass.
 struct SpotCell {
   CellIndex index;
-  double sign = 1;    ///< −1 takes away
+  double sign = 1;    ///< −1 takes away, 0 is none
   ShadowView view{};  ///< of its depth map
   double kept = 1;    ///< of a receiver's depth, for the bias
 };
@@ -37,8 +38,8 @@ struct SpotBindings {
   static constexpr int receivers = 0, words = 1;
 };
 
-/// The lighting pass of shift-invariant as a program of OpenGL: X cells onto all receivers. Thread-bound to the context
-/// that is current when it is made.
+/// The lighting pass of shift-invariant as a program of OpenGL: some cells onto all receivers. Thread-bound to the
+/// context that is current when it is made.
 class SpotProgram {
  public:
   /// Errors: the driver's.
@@ -49,7 +50,7 @@ class SpotProgram {
   ~SpotProgram();
 
   const SpotVariant& variant() const { return variant_; }
-  /// Draws one pass of at most X cells into what is bound; `columns` of receivers.
+  /// Draws one pass of as many cells as the variant has into what is bound; `columns` of receivers.
   void draw(std::span<const SpotCell> cells, int columns);
 
  private:

@@ -4,9 +4,10 @@ namespace lumifield::spot_shaders {
 
 /// The passes of shift-invariant. They come after a head of #defines:
 ///
-/// CHANNELS 1 or 3; CELLS, the most of a pass; WEIGHTED 1 or 0 (SpotLookUp); PIECES, and lists BEGINS, ENDS, ORIGINS,
-/// C0, C1, C2 of them: the basis, φ(τ) = c0 + v (c1 + v c2), v = τ − origin; SHADOW 0 none, 1 by depth maps, 2 by bits
-/// of tiles; TEXELS a side of a depth test; GLOSSY 0 or 1; SRGBE 0 or 1 (SpotSums).
+/// CHANNELS 1 or 3; CELLS of a pass; ADD_ALL, add(…, k) of each of them, so that no index is one of a loop; WEIGHTED 1
+/// or 0 (SpotLookUp); LEVELS of a textured look-up; PIECES, and lists BEGINS, ENDS, ORIGINS, C0, C1, C2 of them: the
+/// basis, φ(τ) = c0 + v (c1 + v c2), v = τ − origin; SHADOW 0 none, 1 by depth maps, 2 by bits of tiles; TEXELS a side
+/// of a depth test; GLOSSY 0 or 1; SRGBE 0 or 1 (SpotSums).
 
 /// One triangle over all receivers.
 constexpr const char* vertex = R"GLSL(
@@ -21,7 +22,6 @@ constexpr const char* types = R"GLSL(
 #define COLOUR vec3
 #define OF_IMAGE rgb
 #endif
-uniform int cells;                         // of this pass
 uniform int columns;                       // of receivers
 uniform vec4 cell[CELLS];                  // u_m, mm; sign: +1 adds, −1 takes away; number
 uniform sampler2D positions, normals;      // p, mm, and n, luminaire frame
@@ -120,36 +120,54 @@ COLOUR light(Receiver r, int k) {
 )GLSL";
 
 constexpr const char* textured = R"GLSL(
-uniform float separation, area;      // δ; a_x a_y
-uniform vec2 corner, per_image;      // of the images on S, mm; 1/their padded size
-uniform vec2 width;                  // of the basis, pixels of S for r = 1: a look-up's at level 0 is 1
-uniform float coarsest;              // level
+uniform float separation, area;   // δ; a_x a_y
+uniform vec2 corner, per_pixel;   // of the images on S, mm; 1/pixel
+uniform vec2 width;               // of the basis, pixels of S for r = 1: a look-up's at level 0 is 1
+uniform vec4 level_places[LEVELS];  // in a layer: the level's first pixel, its size
+uniform vec2 per_layer;           // 1/its size
 
+// A level as the receiver sees it: where u = 0 is in a layer, how that moves with u, and what it is kept to: the level
+// and the texel of 0 around it.
+struct Level { vec2 base, step, low, high; };
 struct Receiver {
   vec3 p, n;
-  vec2 base, step;  // where u = 0 is seen in the images, and how that moves with u
-  float level, factor;
+  Level fine, coarse;
+  float part, factor;  // of the coarse one
 };
+
+Level level(int number, vec2 base, vec2 step) {
+  vec4 place = level_places[number];
+  float scale = exp2(-float(number));
+  return Level((base * scale + place.xy) * per_layer, step * scale * per_layer, (place.xy - 0.5) * per_layer,
+               (place.xy + place.zw + 0.5) * per_layer);
+}
 
 bool receiver(out Receiver r) {
   ivec2 at = ivec2(gl_FragCoord.xy);
   r.p = texelFetch(positions, at, 0).xyz;
   r.n = texelFetch(normals, at, 0).xyz;
-  if (!(r.p.z > 0.0) || r.n == vec3(0.0)) return false;
+  bool lit = r.p.z > 0.0 && r.n != vec3(0.0);
+  r.p.z = max(r.p.z, 1e-9);
   float per_z = 1.0 / r.p.z, away = (r.p.z - separation) * per_z, near = separation * per_z;
-  r.base = (r.p.xy * near - corner) * per_image;
-  r.step = away * per_image;
-  r.level = clamp(log2(abs(away) * max(width.x, width.y)), 0.0, coarsest);
-  r.factor = near * near * area * per_z;
-  return true;
+  float number = clamp(log2(abs(away) * max(width.x, width.y)), 0.0, float(LEVELS - 1));
+  vec2 base = (r.p.xy * near - corner) * per_pixel, step = away * per_pixel;
+  int fine = int(number);
+  r.fine = level(fine, base, step);
+  r.coarse = level(min(fine + 1, LEVELS - 1), base, step);
+  r.part = number - float(fine);
+  r.factor = lit ? near * near * area * per_z : 0.0;
+  return lit;
 }
 
 float facing(Receiver r, int k) { return dot(r.n, vec3(cell[k].xy - r.p.xy, -r.p.z)); }
 float facing_eye(Receiver r, vec3 eye) { return dot(r.n, eye); }
 vec3 towards_light(Receiver r, int k) { return vec3(cell[k].xy - r.p.xy, -r.p.z); }
 
+COLOUR look_up(Level l, int k) {
+  return textureLod(images, vec3(clamp(l.base + cell[k].xy * l.step, l.low, l.high), cell[k].w), 0.0).OF_IMAGE;
+}
 COLOUR light(Receiver r, int k) {
-  return r.factor * facing(r, k) * textureLod(images, vec3(r.base + cell[k].xy * r.step, cell[k].w), r.level).OF_IMAGE;
+  return r.factor * max(facing(r, k), 0.0) * mix(look_up(r.fine, k), look_up(r.coarse, k), r.part);
 }
 )GLSL";
 
@@ -162,38 +180,37 @@ uniform sampler2DArray depths;
 uniform vec4 map[CELLS];       // low corner of the map; texels per unit of x/z, y/z
 uniform vec3 map_step[CELLS];  // unit per texel; what is kept of a depth for the bias
 
-// Whether a surface at the texels' depths hides the receiver; directions: of the texels' centres.
-vec4 hidden(vec4 depth, vec4 x, vec4 y, vec3 face, float own, float limit) {
-  vec4 across = face.x * x + face.y * y + face.z;
-  vec4 before_receiver = vec4(lessThan(depth, vec4(limit)));
-  vec4 before_face = vec4(lessThan(depth * abs(across), vec4(abs(own))));
-  vec4 has_no_face = vec4(lessThanEqual(own * across, vec4(0.0)));
-  return before_receiver * max(before_face, has_no_face);
+// 1 where a surface at the texels' depths hides the receiver; across: its face's normal times the texels' directions, own
+// times its own, towards the lamp.
+vec4 hidden(vec4 depth, vec4 across, float own, float limit) {
+  return vec4(lessThan(depth, vec4(limit))) * vec4(lessThan(depth * across, vec4(own)));
 }
 
 float seen(vec3 p, vec3 face, int k) {
   vec2 q = p.xy - cell[k].xy, at = (q / p.z - map[k].xy) * map[k].zw;
   float kept = map_step[k].z, own = dot(face, vec3(q, p.z)) * kept, limit = p.z * kept;
+  vec3 towards = own < 0.0 ? -face : face;
+  own = abs(own);
+  vec2 side = vec2(textureSize(depths, 0).xy);
+  bool outside = any(lessThan(at, vec2(0.0))) || any(greaterThan(at, side));
 #if TEXELS == 2
   // Bilinear between four.
-  vec2 corner_at = floor(at - 0.5), part = at - 0.5 - corner_at;
-  vec4 depth = textureGather(depths, vec3((corner_at + 1.0) / vec2(textureSize(depths, 0).xy), cell[k].w));
-  vec2 low = map[k].xy + (corner_at + 0.5) * map_step[k].xy, high = low + map_step[k].xy;
-  vec4 h = hidden(depth, vec4(low.x, high.x, high.x, low.x), vec4(high.y, high.y, low.y, low.y), face, own, limit);
+  vec2 first = floor(at - 0.5), part = at - 0.5 - first, low = map[k].xy + (first + 0.5) * map_step[k].xy;
+  float across = dot(towards, vec3(low, 1.0));
+  vec2 more = towards.xy * map_step[k].xy;
+  vec4 h = hidden(textureGather(depths, vec3((first + 1.0) / side, cell[k].w)),
+                  vec4(across + more.y, across + more.y + more.x, across + more.x, across), own, limit);
   vec2 rows = mix(h.wx, h.zy, part.x);
-  return 1.0 - mix(rows.x, rows.y, part.y);
+  float sum = mix(rows.x, rows.y, part.y);
 #else
   // The coverage of a square of TEXELS − 1 texels a side; of one texel, that.
-  const float side = float(max(TEXELS - 1, 1));
-  vec2 corner_at = TEXELS == 1 ? floor(at) : floor(at - 0.5 * side), part = at - 0.5 * side - corner_at;
-  ivec2 end = textureSize(depths, 0).xy;
+  const float wide = float(max(TEXELS - 1, 1));
+  vec2 first = TEXELS == 1 ? floor(at) : floor(at - 0.5 * wide), part = at - 0.5 * wide - first;
   float sum = 0.0;
   for (int j = 0; j < TEXELS; ++j)
     for (int i = 0; i < TEXELS; ++i) {
-      vec2 texel = corner_at + vec2(i, j);
-      if (any(lessThan(texel, vec2(0.0))) || any(greaterThanEqual(texel, vec2(end)))) continue;
-      float depth = texelFetch(depths, ivec3(texel, cell[k].w), 0).r;
-      vec2 d = map[k].xy + (texel + 0.5) * map_step[k].xy;
+      vec2 texel = first + vec2(i, j);
+      float depth = texelFetch(depths, ivec3(clamp(texel, vec2(0.0), side - 1.0), cell[k].w), 0).r;
       vec2 w = vec2(1.0);
       if (TEXELS > 1) {
         if (i == 0) w.x = 1.0 - part.x;
@@ -201,17 +218,19 @@ float seen(vec3 p, vec3 face, int k) {
         if (j == 0) w.y = 1.0 - part.y;
         if (j == TEXELS - 1) w.y = part.y;
       }
-      sum += w.x * w.y * hidden(vec4(depth), vec4(d.x), vec4(d.y), face, own, limit).x;
+      float across = dot(towards, vec3(map[k].xy + (texel + 0.5) * map_step[k].xy, 1.0));
+      sum += w.x * w.y * hidden(vec4(depth), vec4(across), own, limit).x;
     }
-  return 1.0 - sum / (side * side);
+  sum /= wide * wide;
 #endif
+  return outside ? 1.0 : 1.0 - sum;
 }
-float share(vec3 p, int k) { return seen(p, texelFetch(faces, ivec2(gl_FragCoord.xy), 0).xyz, k); }
+float share(vec3 p, vec3 face, int k) { return seen(p, face, k); }
 #elif SHADOW == 2
 layout(std430, binding = 1) readonly buffer Bits { uint words[]; };
 uniform int row_words, receiver_words, per_support;
 uniform ivec2 tile[CELLS];  // first column and row
-float share(vec3 p, int k) {
+float share(vec3 p, vec3 face, int k) {
   int first = (int(gl_FragCoord.y) * columns + int(gl_FragCoord.x)) * receiver_words, sum = 0;
   for (int j = 0; j < per_support; ++j)
     for (int i = 0; i < per_support; ++i) {
@@ -221,7 +240,7 @@ float share(vec3 p, int k) {
   return float(sum) / float(per_support * per_support);
 }
 #else
-float share(vec3 p, int k) { return 1.0; }
+float share(vec3 p, vec3 face, int k) { return 1.0; }
 #endif
 )GLSL";
 
@@ -285,35 +304,43 @@ layout(location = 1) out vec4 radiance;
 #if SRGBE
 uniform sampler2D irradiance_before, radiance_before;
 #endif
+COLOUR e = COLOUR(0.0);
+vec3 g = vec3(0.0);
+
+void add(Receiver r, vec3 face, vec4 eye, vec4 lobe, float no, int k) {
+  COLOUR one = cell[k].z * share(vec3(r.p), face, k) * light(r, k);
+  e += one;
+#if GLOSSY
+  g += glossy(eye, lobe, vec3(r.n), no, towards_light(r, k), facing(r, k)) * one;
+#endif
+}
+
 void main() {
-  COLOUR e = COLOUR(0.0);
-  vec3 g = vec3(0.0);
   Receiver r;
-  if (receiver(r)) {
-#if GLOSSY
-    vec4 eye = texelFetch(lobe_eyes, ivec2(gl_FragCoord.xy), 0), lobe = texelFetch(lobe_colours, ivec2(gl_FragCoord.xy), 0);
-    float no = facing_eye(r, eye.xyz);
+  ivec2 here = ivec2(gl_FragCoord.xy);
+  bool lit = receiver(r);
+  vec3 face = vec3(0.0);
+  vec4 eye = vec4(0.0), lobe = vec4(0.0);
+  float no = 0.0;
+#if SHADOW == 1
+  face = texelFetch(faces, here, 0).xyz;
 #endif
-    for (int k = 0; k < cells; ++k) {
-      float towards = facing(r, k);
-      if (!(towards > 0.0)) continue;
-      float part = share(vec3(r.p), k);
-      if (part == 0.0) continue;
-      COLOUR one = cell[k].z * part * light(r, k);
-      e += one;
 #if GLOSSY
-      if (lobe.w != 0.0) {
-        vec3 to_light = towards_light(r, k);
-        g += glossy(eye, lobe, vec3(r.n), no, to_light, towards) * one;
-      }
+  eye = texelFetch(lobe_eyes, here, 0);
+  lobe = texelFetch(lobe_colours, here, 0);
+  no = facing_eye(r, eye.xyz);
 #endif
-    }
-  }
+#if WEIGHTED
+  if (lit)
+    for (int k = 0; k < CELLS; ++k)
+      if (facing(r, k) > 0.0) add(r, face, eye, lobe, no, k);
+#else
+  ADD_ALL
+#endif
 #if SRGBE
-  ivec2 at = ivec2(gl_FragCoord.xy);
-  irradiance = srgbe(from_srgbe(texelFetch(irradiance_before, at, 0)) + vec3(e));
+  irradiance = srgbe(from_srgbe(texelFetch(irradiance_before, here, 0)) + vec3(e));
 #if GLOSSY
-  radiance = srgbe(from_srgbe(texelFetch(radiance_before, at, 0)) + g);
+  radiance = srgbe(from_srgbe(texelFetch(radiance_before, here, 0)) + g);
 #endif
 #else
   irradiance = vec4(vec3(e), 0.0);

@@ -97,35 +97,25 @@ void SpotTotals::begin_pass() {
   }
 }
 
-Status SpotTotals::read_texels(std::size_t image, std::size_t count, std::vector<float>& rgb) {
-  const std::size_t all = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
-  rgb.resize(3 * all);
+Status SpotTotals::read(bool radiance, std::vector<float>& rgb) {
+  const std::size_t image = radiance ? 1 : 0;
+  const std::size_t texels = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
+  rgb.resize(3 * texels);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  attach(image, textures_[image]);
   glReadBuffer(GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(image));
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   if (sums_ == SpotSums::float32) {
     glReadPixels(0, 0, columns_, rows_, GL_RGB, GL_FLOAT, rgb.data());
-  } else {
-    std::vector<Srgbe> coded(all);
-    glReadPixels(0, 0, columns_, rows_, GL_RGBA, GL_UNSIGNED_BYTE, coded.data());
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::array<float, 3> colour = from_srgbe(coded[k]);
-      std::copy(colour.begin(), colour.end(), rgb.begin() + static_cast<std::ptrdiff_t>(3 * k));
-    }
+    return gl_status("sums of irradiance");
   }
-  rgb.resize(3 * count);
+  std::vector<Srgbe> coded(texels);
+  glReadPixels(0, 0, columns_, rows_, GL_RGBA, GL_UNSIGNED_BYTE, coded.data());
+  for (std::size_t k = 0; k < texels; ++k) {
+    const std::array<float, 3> colour = from_srgbe(coded[k]);
+    std::copy(colour.begin(), colour.end(), rgb.begin() + static_cast<std::ptrdiff_t>(3 * k));
+  }
   return gl_status("sums of irradiance");
-}
-
-Status SpotTotals::read(bool radiance, std::size_t count, std::vector<float>& rgb) {
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  const std::size_t image = radiance ? 1 : 0;
-  attach(image, textures_[image]);
-  if (const Status done = read_texels(image, count, rgb); !done) return done;
-  for (std::size_t k = 0; k < rgb.size(); ++k)
-    if (!std::isfinite(rgb[k]))
-      return fail("a sum exceeds what a float holds", "receiver " + std::to_string(k / 3),
-                  "use closed-form, or take the receiver away from U");
-  return {};
 }
 
 }  // namespace lumifield

@@ -23,14 +23,12 @@ class SpotTotals {
   Status clear();
   /// Binds what the next pass draws to, and reads.
   void begin_pass();
-  /// R, G, B of the first `count` receivers, interleaved; of radiance, where there is gloss. Errors: a sum that is not
-  /// finite.
-  Status read(bool radiance, std::size_t count, std::vector<float>& rgb);
+  /// R, G, B of all texels, interleaved; of radiance, where there is gloss.
+  Status read(bool radiance, std::vector<float>& rgb);
 
  private:
   Status make(int columns, int rows);
   void bind_to_draw() const;
-  Status read_texels(std::size_t image, std::size_t count, std::vector<float>& rgb);
 
   SpotSums sums_ = SpotSums::float32;
   int columns_ = 0, rows_ = 0;

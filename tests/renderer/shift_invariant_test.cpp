@@ -156,9 +156,6 @@ TEST(SpotImage, ALookUpIsAsWideAsTheBasis) {
   EXPECT_EQ(spot_level(Basis(BasisKind::bell), {1, 1}, 9), 0);
   EXPECT_EQ(spot_level(Basis(BasisKind::bell), {1e6, 1}, 5), 5);
   EXPECT_EQ(spot_level(Basis(BasisKind::bell), {0, 0}, 5), 0);
-  EXPECT_EQ(coarsest_spot_level(300, 300), 6) << "to 320";
-  EXPECT_EQ(coarsest_spot_level(256, 256), 8);
-  EXPECT_EQ(coarsest_spot_level(1, 1), 0);
 }
 
 TEST(SpotImage, LooksUpAsTexturesDo) {

@@ -28,6 +28,7 @@ double share_by(const ShadowMaps& maps, std::size_t number, int texels, const Ve
   const Vec3 q = p - view.eye_mm;
   const double kept = spot_depth_kept(view, maps.size_px), limit = q.z() * kept, own = face.dot(q) * kept;
   const Vec2 at = (q.head<2>() / q.z() - view.low).cwiseQuotient(step);
+  if (at.minCoeff() < 0 || at.maxCoeff() > maps.size_px) return 1;
   const double side = std::max(texels - 1, 1);
   const Vec2 low = texels == 1 ? at : Vec2(at - Vec2(side, side) / 2);
   const Vec2 first = low.array().floor(), part = low - first;
@@ -35,10 +36,11 @@ double share_by(const ShadowMaps& maps, std::size_t number, int texels, const Ve
   for (int j = 0; j < texels; ++j)
     for (int i = 0; i < texels; ++i) {
       const int x = static_cast<int>(first.x()) + i, y = static_cast<int>(first.y()) + j;
-      if (x < 0 || y < 0 || x >= maps.size_px || y >= maps.size_px) continue;
       const auto weight = [&](int k, double f) { return texels == 1 ? 1.0 : k == 0 ? 1 - f : k == texels - 1 ? f : 1; };
       const double depth =
-          static_cast<double>(maps.depth_mm[number * maps.texels() + static_cast<std::size_t>(y * maps.size_px + x)]);
+          static_cast<double>(maps.depth_mm[number * maps.texels() +
+                                            static_cast<std::size_t>(std::clamp(y, 0, maps.size_px - 1) * maps.size_px +
+                                                                     std::clamp(x, 0, maps.size_px - 1))]);
       const Vec2 d = view.low + step.cwiseProduct(Vec2(x + 0.5, y + 0.5));
       const double across = face.dot(Vec3(d.x(), d.y(), 1));
       const bool before_face = depth * std::abs(across) < std::abs(own) || own * across <= 0;
