@@ -34,8 +34,6 @@ Renderer::~Renderer() = default;
 
 Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width_px, int height_px) {
   if (const Status placed = check_placements(scene.luminaires); !placed) return tl::unexpected(placed.error());
-  const Result<std::string> opencl = probe_opencl();
-  if (!opencl) return tl::unexpected(opencl.error());
   Result<Mesh> mesh = read_mesh(scene.mesh, scene.materials);
   if (!mesh) return tl::unexpected(mesh.error());
   Result<std::unique_ptr<EglContext>> context = EglContext::create();
@@ -44,7 +42,10 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
   if (!pass) return tl::unexpected(pass.error());
 
   auto impl = std::make_unique<Impl>();
-  impl->info = {(*context)->description(), *opencl, std::move(mesh->notes)};
+  const Result<std::string> opencl = probe_opencl();
+  if (!opencl) impl->no_opencl = opencl.error();
+  impl->info = {(*context)->description(), opencl.value_or(""), std::move(mesh->notes)};
+  if (!opencl) impl->info.notes.push_back("without OpenCL: " + opencl.error().message());
   impl->info.notes.push_back("left out: " + left_out(impl->visibility));
   if (scene.environment) impl->info.notes.emplace_back("left out: the environment");
   impl->materials = std::move(mesh->materials);
@@ -78,11 +79,11 @@ Status Renderer::set_luminaire(const LuminaireGeometry& geometry) {
 Status Renderer::set_method(const MethodSettings& settings) {
   if (const Status good = check_settings(settings); !good) return good;
   const MethodSettings before = std::exchange(impl_->settings, settings);
-  if (!impl_->geometry) return {};
-  if (const Status made = impl_->make_method(); !made) {
+  if (const Status made = impl_->geometry ? impl_->make_method() : impl_->need_opencl(); !made) {
     impl_->settings = before;
     return made;
   }
+  if (!impl_->geometry) return {};
   impl_->receiver_s = 0;
   impl_->clear();
   return {};
@@ -121,7 +122,9 @@ void Renderer::refresh_shadows() {
   impl_->clear();
 }
 
-int Renderer::shadow_maps_made() const { return impl_->shadows->times_made(); }
+int Renderer::shadow_maps_made() const {
+  return impl_->shadows->times_made() + (impl_->spots ? impl_->spots->times_drawn() : 0);
+}
 
 Status Renderer::hand_over() { return impl_->hand_over(); }
 

@@ -15,19 +15,20 @@ namespace lumifield {
 
 struct RendererInfo {
   std::string opengl;              ///< renderer and version
-  std::string opencl;              ///< device
+  std::string opencl;              ///< device; empty where there is none
   std::vector<std::string> notes;  ///< what the picture does not show of the scene
 };
 
 /// The live picture: a scene lit by the part of a luminaire that is measured. Thread-bound to the render thread, which
 /// owns its EGL context and OpenCL queue for life. OpenGL makes the G-buffer once per view or scene; OpenCL adds cells
-/// to the running sum of irradiance, or computes it by another method.
+/// to the running sum of irradiance, or computes it by another method; by shift-invariant OpenGL does that too, also
+/// where there is no OpenCL.
 ///
 /// A cell is kept, then summed; kept ones wait after a change of view, and picture() sums what waits. Who must not be
 /// held up hands a view over, sums in slices (sum_some) and asks for a picture when none waits.
 class Renderer {
  public:
-  /// Errors: no EGL context, no OpenCL device, the mesh's, a scene without a luminaire or with a pose that is not
+  /// Errors: no EGL context, the mesh's, a scene without a luminaire or with a pose that is not
   /// rigid.
   static Result<std::unique_ptr<Renderer>> create(const Scene& scene, int width_px, int height_px);
   ~Renderer();
@@ -48,12 +49,13 @@ class Renderer {
   /// Published shadows stand where the first cells of each tile had their light: from now on where all have it. All
   /// cells wait.
   void refresh_shadows();
-  /// How often shadow maps have been made.
+  /// How often shadow maps have been made. Shift-invariant has its own, one a cell, whatever tells shadows but `none`;
+  /// without a luminaire that moves a cell's is made when it comes.
   int shadow_maps_made() const;
-  /// Another way to compute the irradiance, the closed form until then; all cells wait. Of methods other than that the
-  /// cells share samples or tables: a cell that comes has all of them wait, and they are computed together, in pieces
-  /// of receivers. Errors: settings outside their range, a method that this device or luminaire cannot take; then all
-  /// stays.
+  /// Another way to compute the irradiance, the closed form until then; all cells wait. Of methods that are not
+  /// additive (method.h) the cells share samples or tables: a cell that comes has all of them wait, and they are
+  /// computed together, in pieces of receivers. Errors: settings outside their range, a method that this device or
+  /// luminaire cannot take, one of OpenCL where there is none; then all stays.
   Status set_method(const MethodSettings& settings);
   /// Hands the view's receivers to the device, unless it has them: what sums or reads would do first.
   Status hand_over();

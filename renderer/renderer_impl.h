@@ -10,11 +10,12 @@
 #include "renderer/renderer.h"
 #include "renderer/scene/mesh.h"
 #include "renderer/shading.h"
+#include "renderer/shift_invariant/shift_invariant_device.h"
 #include "renderer/visibility/scene_shadows.h"
 
 namespace lumifield {
 
-/// What a Renderer holds, and how its irradiance comes about: of the closed form cell by cell, of other methods by an
+/// What a Renderer holds, and how its irradiance comes about: of additive methods cell by cell, of others by an
 /// evaluation of all cells, in pieces of receivers, after which none waits.
 struct Renderer::Impl {
   // The context outlives what draws with it.
@@ -31,8 +32,10 @@ struct Renderer::Impl {
 
   std::optional<LuminaireGeometry> geometry;
   MethodSettings settings;
-  std::unique_ptr<ClosedFormDevice> device;  ///< of the closed form, else null
-  std::unique_ptr<DeviceMethod> method;      ///< of the others, else null
+  std::unique_ptr<RunningSums> device;    ///< of additive methods, else null
+  ShiftInvariantDevice* spots = nullptr;  ///< the device where it is that
+  std::unique_ptr<DeviceMethod> method;   ///< of the others, else null
+  std::optional<Error> no_opencl;         ///< why
   bool method_has_cells = false;
   std::vector<std::shared_ptr<const CellImage>> cells;   ///< by Sampling::flat, null while unmeasured
   std::vector<std::shared_ptr<const CellImage>> summed;  ///< as they are in the device's sums
@@ -41,7 +44,7 @@ struct Renderer::Impl {
   double receiver_s = 0;                                 ///< of the last cells: time for a cell and receiver
   std::size_t gloss_channels = 0;                        ///< of the receivers handed over
   std::vector<double> gloss;                             ///< as irradiance
-  std::vector<double> irradiance;  ///< of the closed form as read last, of the others of the last evaluation
+  std::vector<double> irradiance;  ///< of additive methods as read last, of the others of the last evaluation
 
   Status need_luminaire() const {
     if (device || method) return {};
@@ -53,6 +56,7 @@ struct Renderer::Impl {
   void clear();
   Status hand_over();
   Status see(const Receivers& seen, Appearance& appearance);
+  Status set_spot_scene(const Receivers& seen);
   Result<LightField> kept_cells() const;
   Status keep(CellIndex cell, std::shared_ptr<const CellImage> image);
   Status sum(const std::vector<int>& flats);
@@ -60,6 +64,8 @@ struct Renderer::Impl {
   std::size_t first_row() const;
   Status add(const std::vector<int>& flats);
   Status make_method();
+  Result<std::unique_ptr<RunningSums>> make_sums();
+  Status need_opencl() const;
   Status give_cells();
   Status evaluate(double seconds);
 };

@@ -24,7 +24,7 @@ Status Renderer::Impl::hand_over() {
   const Receivers seen = receivers_of(gbuffer, placements);
   Appearance appearance;
   appearance.gloss = lobes_of(gbuffer, materials, placements, eye_mm);
-  if (const Status there = see(seen, appearance); !there) return there;
+  if (const Status there = spots ? set_spot_scene(seen) : see(seen, appearance); !there) return there;
   gloss_channels = appearance.gloss_channels(geometry->channels.size());
   gloss.assign(seen.p.size() / 4 * gloss_channels, 0.0);
   if (method) {
@@ -33,7 +33,8 @@ Status Renderer::Impl::hand_over() {
     handed_over = set.has_value();
     return set;
   }
-  if (const Status detailed = device->set_lod(lod); !detailed) return detailed;
+  if (auto* closed_form = dynamic_cast<ClosedFormDevice*>(device.get()))
+    if (const Status detailed = closed_form->set_lod(lod); !detailed) return detailed;
   const Status set = device->set_receivers(seen.p, seen.n, appearance);
   handed_over = set.has_value();
   return set;
@@ -49,11 +50,19 @@ Status Renderer::Impl::see(const Receivers& seen, Appearance& appearance) {
   return shadows->see(placements, *geometry, visibility, lod > 0, seen.p, seen.face, appearance);
 }
 
+/// Spotlights have depth maps of their own, whatever else tells shadows.
+Status Renderer::Impl::set_spot_scene(const Receivers& seen) {
+  SpotScene scene{{}, {}, gbuffer.width_px};
+  for (const ScenePlacement& each : placements) scene.poses.push_back(each.pose);
+  if (visibility != Visibility::none) scene.face_xyzw = seen.face;
+  return spots->set_scene(std::move(scene));
+}
+
 Status Renderer::Impl::keep(CellIndex cell, std::shared_ptr<const CellImage> image) {
   if (const Status ready = need_luminaire(); !ready) return ready;
   if (!image) return fail("comes without an image", "cell " + to_string(cell), "measure the cell again");
   if (const Status fits = check_cell(*geometry, cell, *image); !fits) return fits;
-  if (visibility == Visibility::published && shadows->gives_position(*geometry, cell)) handed_over = false;
+  if (!spots && visibility == Visibility::published && shadows->gives_position(*geometry, cell)) handed_over = false;
   const int flat = geometry->sampling.flat(cell);
   cells[static_cast<std::size_t>(flat)] = std::move(image);
   if (method) {
@@ -100,7 +109,7 @@ Status Renderer::Impl::add(const std::vector<int>& flats) {
     const auto& image = cells[static_cast<std::size_t>(flat)];
     const auto& before = summed[static_cast<std::size_t>(flat)];
     if (before || flats.size() == 1) {
-      if (const Status added = device->add_cell(index, *image, before.get()); !added) return added;
+      if (const Status added = device->replace_cell(index, image, before); !added) return added;
       continue;
     }
     indices.push_back(index);
@@ -117,24 +126,42 @@ std::size_t Renderer::Impl::first_row() const {
   return static_cast<std::size_t>(std::distance(waiting.begin(), waiting.lower_bound(end)));
 }
 
-/// For the luminaire and the settings that are set.
-Status Renderer::Impl::make_method() {
+Status Renderer::Impl::need_opencl() const {
+  if (!needs_opencl(settings.method) || !no_opencl) return {};
+  Error error = *no_opencl;
+  error.remedy += (error.remedy.empty() ? "" : ", or ") + std::string("use shift-invariant, which needs none");
+  return tl::unexpected(std::move(error));
+}
+
+Result<std::unique_ptr<RunningSums>> Renderer::Impl::make_sums() {
   if (settings.method == Method::closed_form) {
     auto made = ClosedFormDevice::create(*geometry);
     if (!made) return tl::unexpected(made.error());
+    return std::move(*made);
+  }
+  auto made = ShiftInvariantDevice::create(*context, *geometry, settings.spots);
+  if (!made) return tl::unexpected(made.error());
+  if (const Status set = (*made)->set_occluders(shadows->mesh()); !set) return tl::unexpected(set.error());
+  return std::move(*made);
+}
+
+/// For the luminaire and the settings that are set.
+Status Renderer::Impl::make_method() {
+  if (const Status there = need_opencl(); !there) return there;
+  if (is_additive(settings.method)) {
+    auto made = make_sums();
+    if (!made) return tl::unexpected(made.error());
     device = std::move(*made);
     method.reset();
-    handed_over = false;
-    info.opencl = device->device_name();
-    return {};
+  } else {
+    auto made = make_device_method(*geometry, settings);
+    if (!made) return tl::unexpected(made.error());
+    method = std::move(*made);
+    device.reset();
   }
-  auto made = make_device_method(*geometry, settings);
-  if (!made) return tl::unexpected(made.error());
-  method = std::move(*made);
-  device.reset();
-  handed_over = false;
-  method_has_cells = false;
-  info.opencl = method->device_name();
+  spots = dynamic_cast<ShiftInvariantDevice*>(device.get());
+  handed_over = method_has_cells = false;
+  (spots ? info.opengl : info.opencl) = device ? device->device_name() : method->device_name();
   return {};
 }
 

@@ -89,6 +89,8 @@ void PreviewWorker::take_method(const MethodSettings& method) {
     if (const Status set = renderer_->set_method(method); !set) return report(set.error());
   method_ = method;
   begin_anew();
+  // A luminaire that could not be taken before.
+  if (renderer_ && geometry_ && !lit_) light();
 }
 
 /// As of another method.
@@ -134,7 +136,7 @@ void PreviewWorker::take_cell(PreviewCommands::Cell cell) {
 /// A method that computes all cells together begins anew with each: they wait for the end of a hasty picture, and for
 /// the view that is to follow it.
 bool PreviewWorker::holds_cells() const {
-  if (!drawn_ || !hasty_ || method_.method == Method::closed_form) return false;
+  if (!drawn_ || !hasty_ || is_additive(method_.method)) return false;
   return view_changed_ || (dirty_ && renderer_->waiting() > 0);
 }
 

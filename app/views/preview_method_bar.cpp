@@ -111,6 +111,8 @@ void PreviewMethodBar::choose(Method chosen) {
   methods_->setToolTip(tr("How the light is computed: %1").arg(text_of(info(chosen).what)));
   MethodSettings method = method_;
   method.method = chosen;
+  method.spots = {};
+  if (chosen == Method::shift_invariant) method.spots.look_up = SpotLookUp::textured;
   // Lights in all are other numbers than samples for each pixel.
   if (info(chosen).samples > 0 && cost != info(counted_).cost) {
     const QSignalBlocker quiet(samples_);

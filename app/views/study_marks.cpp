@@ -18,14 +18,16 @@ struct Pair {
 };
 
 /// In the order of the methods. Chosen so that the least CIELAB distance of two of them, also as seen with a missing
-/// kind of cones, is as large as seven colours allow.
-constexpr std::array<Pair, 7> colours{{
+/// kind of cones, is as large as seven colours allow;
+/// shift-invariant's came to them, as far from them as one can be.
+constexpr std::array<Pair, 8> colours{{
     {"#0060a8", "#56b4e9"},
     {"#98330e", "#ec5f12"},
     {"#66135c", "#ad7a94"},
     {"#0fa45c", "#12f880"},
     {"#b08808", "#f3d80b"},
     {"#82888b", "#8ea670"},
+    {"#9808f8", "#8078f8"},
     {"#1b1b1b", "#ffffff"},
 }};
 
@@ -74,6 +76,9 @@ QPainterPath method_mark(Method method, double size) {
       break;
     case Method::far_field:
       path = polygon(5, 1.3 * r, 0.55 * r);
+      break;
+    case Method::shift_invariant:
+      path = polygon(6, 1.15 * r);
       break;
     case Method::reference:
       path = polygon(4, 1.4 * r, 0.55 * r);

@@ -9,6 +9,7 @@
 #include "luminaire/light_field.h"
 #include "renderer/methods/appearance.h"
 #include "renderer/methods/receiver.h"
+#include "renderer/methods/running_sums.h"
 
 namespace lumifield {
 
@@ -56,24 +57,21 @@ class ClosedForm {
 /// The same sum as an OpenCL kernel, with one running sum in double per receiver and channel: a new cell costs one
 /// cell, a retaken one two, closed(C_new) − closed(C_old), the second exactly what had been added. Needs a device with
 /// double precision. Thread-bound to its creator.
-class ClosedFormDevice {
+class ClosedFormDevice final : public RunningSums {
  public:
   /// Chooses the OpenCL device (LUMIFIELD_OPENCL names another, by a part of its name). Probes OpenCL in a child
   /// process first: a driver that aborts becomes an Error.
   static Result<std::unique_ptr<ClosedFormDevice>> create(const LuminaireGeometry& geometry);
-  ~ClosedFormDevice();
+  ~ClosedFormDevice() override;
 
   /// Level of detail T: each receiver sums over means of 2^ℓ×2^ℓ pixels, so coarse that a support spans at most T
   /// pixels an axis. 0, the default, is exact. Takes effect at the next set_receivers, which clears the sums; adding
   /// and replacing cells then keeps to it. Errors: negative or not finite.
   Status set_lod(double pixels_per_support);
 
-  /// Replaces the receivers and clears the sums. A receiver with n = 0 gets 0 (background of a picture).
-  /// After an error of the device there are none. For pictures: 4 floats each, interleaved, p in mm and n, luminaire
-  /// frame.
-  /// `appearance`: what they see of U, and how they shine; of other receivers or tiles it is refused.
-  Status set_receivers(std::span<const Receiver> receivers, const Appearance& appearance = {});
-  Status set_receivers(std::span<const float> p_xyzw, std::span<const float> n_xyzw, const Appearance& appearance = {});
+  Status set_receivers(std::span<const Receiver> receivers, const Appearance& appearance = {}) override;
+  Status set_receivers(std::span<const float> p_xyzw, std::span<const float> n_xyzw,
+                       const Appearance& appearance = {}) override;
 
   /// Adds one cell to all sums; with `replaces` adds the difference.
   Status add_cell(CellIndex cell, const CellImage& image, const CellImage* replaces = nullptr);
@@ -81,17 +79,19 @@ class ClosedFormDevice {
   Status add_cells(std::span<const CellIndex> cells, std::span<const CellImage* const> images);
   /// The same of images that do not change: where the device has just these, all of them, it keeps them from one set of
   /// receivers to the next with as much or as little detail. Holds them until others come.
-  Status add_cells(std::span<const CellIndex> cells, std::span<const std::shared_ptr<const CellImage>> images);
+  Status add_cells(std::span<const CellIndex> cells, std::span<const std::shared_ptr<const CellImage>> images) override;
+  Status replace_cell(CellIndex cell, const std::shared_ptr<const CellImage>& image,
+                      const std::shared_ptr<const CellImage>& before) override {
+    return add_cell(cell, *image, before.get());
+  }
 
-  /// E, receiver-major: receivers · channels.
   Status read(std::vector<float>& irradiance);
-  Status read(std::vector<double>& irradiance);
-  /// Radiance by gloss towards the eye: receivers · gloss_channels of the appearance.
-  Status read_gloss(std::vector<double>& radiance);
+  Status read(std::vector<double>& irradiance) override;
+  Status read_gloss(std::vector<double>& radiance) override;
 
-  std::string device_name() const;
-  /// Kernel time of the last add, seconds, from OpenCL's own profiling.
-  double last_kernel_s() const;
+  std::string device_name() const override;
+  /// From OpenCL's own profiling.
+  double last_kernel_s() const override;
 
  private:
   struct Impl;

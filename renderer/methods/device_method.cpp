@@ -1,12 +1,14 @@
 #include "renderer/methods/device_method.h"
 
 #include "luminaire/dataset.h"
-#include "renderer/methods/closed_form_evaluation.h"
+#include "renderer/methods/closed_form.h"
 #include "renderer/methods/far_field_device.h"
 #include "renderer/methods/host_evaluation.h"
 #include "renderer/methods/host_method.h"
 #include "renderer/methods/image_sampler_device.h"
 #include "renderer/methods/precomputed_lights_device.h"
+#include "renderer/methods/summed_evaluation.h"
+#include "renderer/shift_invariant/shift_invariant_device.h"
 
 namespace lumifield {
 
@@ -99,6 +101,20 @@ Result<std::unique_ptr<DeviceMethod>> as_method(Result<std::unique_ptr<Device>> 
   return std::move(*device);
 }
 
+Result<std::unique_ptr<DeviceMethod>> closed_form(const LuminaireGeometry& geometry, const MethodSettings& settings) {
+  auto sums = ClosedFormDevice::create(geometry);
+  if (!sums) return tl::unexpected(sums.error());
+  if (Status set = (*sums)->set_lod(settings.lod); !set) return tl::unexpected(set.error());
+  return std::make_unique<SummedEvaluation>(geometry, settings, std::move(*sums));
+}
+
+Result<std::unique_ptr<DeviceMethod>> shift_invariant(const LuminaireGeometry& geometry,
+                                                      const MethodSettings& settings) {
+  auto sums = ShiftInvariantDevice::create(geometry, settings.spots);
+  if (!sums) return tl::unexpected(sums.error());
+  return std::make_unique<SummedEvaluation>(geometry, settings, std::move(*sums));
+}
+
 }  // namespace
 
 Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry& geometry,
@@ -106,7 +122,7 @@ Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry
   if (const Status good = check_settings(settings); !good) return tl::unexpected(good.error());
   switch (settings.method) {
     case Method::closed_form:
-      return as_method(ClosedFormEvaluation::create(geometry, settings));
+      return closed_form(geometry, settings);
     case Method::position_dependent:
     case Method::position_dependent_printed:
     case Method::uniform_box:
@@ -115,6 +131,8 @@ Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry
       return as_method(PrecomputedLightsDevice::create(geometry, settings));
     case Method::far_field:
       return as_method(FarFieldDevice::create(geometry, settings));
+    case Method::shift_invariant:
+      return shift_invariant(geometry, settings);
     case Method::reference:
       return std::make_unique<HostEvaluation>(geometry, settings);
   }

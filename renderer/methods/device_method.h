@@ -12,7 +12,7 @@
 
 namespace lumifield {
 
-/// A method that computes many receivers, as OpenCL kernels: the cells and the receivers are set, then the irradiance
+/// A method that computes many receivers, on a device: the cells and the receivers are set, then the irradiance
 /// of all receivers is computed from all cells, in pieces where the caller must not be held up. Compared with its host
 /// form (HostMethod) by tests. This class keeps what is set and what is computed; a form computes. Thread-bound to its
 /// creator.
@@ -82,8 +82,9 @@ class DeviceMethod {
 /// Refuses NaN and Inf, the receiver named.
 Status check_finite(std::span<const Receiver> receivers);
 
-/// The reference runs on the host. Errors: no OpenCL device, settings outside their range or that the kernels have no
-/// use for.
+/// The reference runs on the host, shift-invariant in a context of OpenGL of its own, which it makes current as it
+/// needs it; the others in OpenCL. Errors: no such device, settings outside their range or that the kernels have no use
+/// for.
 Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry& geometry,
                                                          const MethodSettings& settings);
 

@@ -10,6 +10,7 @@
 #include "renderer/methods/precomputed_lights.h"
 #include "renderer/methods/table_memory.h"
 #include "renderer/methods/uniform_box.h"
+#include "renderer/shift_invariant/shift_invariant.h"
 
 namespace lumifield {
 
@@ -83,6 +84,26 @@ class ClosedFormOnHost final : public HostMethod {
 
 }  // namespace
 
+namespace {
+
+Status check_spots(const MethodSettings& s) {
+  if (s.method != Method::shift_invariant)
+    return s.spots == SpotSettings{} ? Status{}
+                                     : fail(std::string(to_string(s.method)) + " has none", "spotlights",
+                                            "leave them as they are, or use shift-invariant");
+  const auto outside = [](int value, int most) { return value < 1 || value > most; };
+  if (outside(s.spots.cells_per_pass, most_cells_per_pass))
+    return fail("is not between 1 and " + std::to_string(most_cells_per_pass), "cells per pass", "give another");
+  if (outside(s.spots.shadow_texels, most_shadow_texels))
+    return fail("is not between 1 and " + std::to_string(most_shadow_texels), "texels of a shadow test",
+                "give another");
+  if (outside(s.spots.shadow_map_px, most_shadow_map_px))
+    return fail("is not between 1 and " + std::to_string(most_shadow_map_px), "texels of a shadow map", "give another");
+  return {};
+}
+
+}  // namespace
+
 Status check_settings(const MethodSettings& s) {
   // So that tables of points, and of lights, stay below some hundred megabytes.
   if (s.method == Method::precomputed_lights && !(s.samples >= 1 && s.samples <= most_lights))
@@ -95,6 +116,7 @@ Status check_settings(const MethodSettings& s) {
   if (s.depth < 1) return fail("is less than 1", "depth of the search", "give more");
   if (!(s.memory_bytes >= 0))
     return fail("is negative or NaN", "memory for tables", "give 0 for half of what there is");
+  if (const Status good = check_spots(s); !good) return good;
   // Of a method that has no use for them they are refused, not ignored.
   if (s.method == Method::position_dependent || s.method == Method::position_dependent_printed) return {};
   const std::string has_none = std::string(to_string(s.method)) + " has none";
@@ -125,6 +147,8 @@ Result<std::unique_ptr<HostMethod>> make_host_method(const LightField& light_fie
       return std::make_unique<PrecomputedLights>(light_field, settings);
     case Method::far_field:
       return FarField::create(light_field, settings);
+    case Method::shift_invariant:
+      return std::make_unique<ShiftInvariant>(light_field, settings.spots);
   }
   return fail("is none that there is", "method", "choose another");
 }

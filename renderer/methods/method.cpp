@@ -22,6 +22,9 @@ constexpr std::array all{
                "light samples of the whole luminaire, the same for all receivers", MethodCost::lights, 10'000},
     MethodInfo{Method::far_field, "far-field", "the luminaire as a point with an intensity distribution",
                MethodCost::none, 0},
+    MethodInfo{Method::shift_invariant, "shift-invariant",
+               "a textured spotlight at the centre of each cell, by OpenGL (Granier 2003): a fast preview",
+               MethodCost::none, 0},
     MethodInfo{Method::reference, "reference",
                "closed-form in double precision on the host, exact: what kernels are judged by", MethodCost::none, 0},
 };
@@ -38,5 +41,9 @@ std::optional<Method> method_from_string(std::string_view name) {
   const auto found = std::ranges::find(all, name, &MethodInfo::name);
   return found == all.end() ? std::nullopt : std::optional(found->method);
 }
+
+bool is_additive(Method method) { return method == Method::closed_form || method == Method::shift_invariant; }
+
+bool needs_opencl(Method method) { return method != Method::shift_invariant && method != Method::reference; }
 
 }  // namespace lumifield

@@ -7,11 +7,13 @@
 
 #include "renderer/sampling/cdf_inversion.h"
 #include "renderer/sampling/sequence.h"
+#include "renderer/shift_invariant/spot_settings.h"
 
 namespace lumifield {
 
 /// The ways to compute the irradiance of a diffuse, unoccluded receiver. Each has a host form in double precision
-/// (host_method.h) and, but for the reference, an OpenCL form (device_method.h).
+/// (host_method.h) and, but for the reference, a device's (device_method.h): in OpenCL, or of shift_invariant in
+/// OpenGL.
 enum class Method {
   closed_form,
   position_dependent,
@@ -19,6 +21,7 @@ enum class Method {
   uniform_box,
   precomputed_lights,
   far_field,
+  shift_invariant,
   reference,
 };
 
@@ -38,6 +41,10 @@ std::span<const MethodInfo> methods();
 const MethodInfo& info(Method method);
 std::string_view to_string(Method method);
 std::optional<Method> method_from_string(std::string_view name);
+/// Its cells share nothing: one that comes is added to what there is (running_sums.h).
+bool is_additive(Method method);
+/// Its device is one of OpenCL.
+bool needs_opencl(Method method);
 
 inline constexpr double most_samples = 1e7, most_lights = 4e6;
 /// Below one pixel a support a level of detail is nonsense: all that an image has of a cell would be one value.
@@ -54,6 +61,7 @@ struct MethodSettings {
   Inversion inversion = Inversion::secant;  ///< in a cdf; another, or a depth, is of the host forms alone
   int depth = whole_depth;                  ///< of the search
   double memory_bytes = 0;                  ///< that tables may take on the host, or the device; 0: half of what it has
+  SpotSettings spots{};                     ///< of shift-invariant alone
 };
 
 }  // namespace lumifield

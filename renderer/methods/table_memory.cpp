@@ -28,6 +28,12 @@ double host_table_bytes(const LuminaireGeometry& geometry, const MethodSettings&
       return cells * static_cast<double>(m.pixels()) * static_cast<double>(geometry.channels.size()) *
              (sizeof(float) + levels);
     }
+    case Method::shift_invariant:
+      // Levels of detail of a look-up.
+      return settings.spots.look_up == SpotLookUp::weighted
+                 ? 0
+                 : cells * static_cast<double>(m.pixels()) * static_cast<double>(geometry.channels.size()) *
+                       sizeof(double) / 3;
     case Method::uniform_box:
     case Method::far_field:  // its table is bounded where it is made
       break;

@@ -41,6 +41,32 @@ Result<unsigned> compile_program(const std::string& whose, const ShaderTexts& te
               "update the graphics driver");
 }
 
+GlTexture::GlTexture(GlTexture&& other) noexcept : id_(std::exchange(other.id_, 0)) {}
+GlTexture& GlTexture::operator=(GlTexture&& other) noexcept {
+  std::swap(id_, other.id_);
+  return *this;
+}
+GlTexture::~GlTexture() {
+  if (id_ != 0) glDeleteTextures(1, &id_);
+}
+unsigned GlTexture::id() {
+  if (id_ == 0) glGenTextures(1, &id_);
+  return id_;
+}
+
+GlBuffer::GlBuffer(GlBuffer&& other) noexcept : id_(std::exchange(other.id_, 0)) {}
+GlBuffer& GlBuffer::operator=(GlBuffer&& other) noexcept {
+  std::swap(id_, other.id_);
+  return *this;
+}
+GlBuffer::~GlBuffer() {
+  if (id_ != 0) glDeleteBuffers(1, &id_);
+}
+unsigned GlBuffer::id() {
+  if (id_ == 0) glGenBuffers(1, &id_);
+  return id_;
+}
+
 Result<RenderTarget> RenderTarget::create(const std::string& picture, int width_px, int height_px,
                                           std::span<const unsigned> colour_formats, bool depth) {
   constexpr std::array<GLenum, 4> colours = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2,

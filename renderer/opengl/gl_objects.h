@@ -24,6 +24,32 @@ struct ShaderTexts {
 /// Errors: the driver's log. `whose` shaders they are, for messages.
 Result<unsigned> compile_program(const std::string& whose, const ShaderTexts& texts);
 
+/// A texture, or a buffer; none until it is made. It goes with its owner, on the context that is current then.
+class GlTexture {
+ public:
+  GlTexture() = default;
+  GlTexture(GlTexture&& other) noexcept;
+  GlTexture& operator=(GlTexture&& other) noexcept;
+  ~GlTexture();
+  /// Makes it where there is none.
+  unsigned id();
+
+ private:
+  unsigned id_ = 0;
+};
+
+class GlBuffer {
+ public:
+  GlBuffer() = default;
+  GlBuffer(GlBuffer&& other) noexcept;
+  GlBuffer& operator=(GlBuffer&& other) noexcept;
+  ~GlBuffer();
+  unsigned id();
+
+ private:
+  unsigned id_ = 0;
+};
+
 /// A framebuffer with up to four colour images of the given formats, and 32-bit depth where wanted; bound when made.
 /// `picture` in messages. Errors: no memory, a combination that the driver does not draw to.
 class RenderTarget {

@@ -126,7 +126,8 @@ std::string no_use(const StabilityTruth& truth, const StabilityAnswers& answers)
 }  // namespace
 
 bool is_sampler(Method method) {
-  return method != Method::closed_form && method != Method::far_field && method != Method::reference;
+  return method != Method::closed_form && method != Method::far_field && method != Method::shift_invariant &&
+         method != Method::reference;
 }
 
 StabilityRow judged(Method method, const StabilityCase& each, const StabilityTruth& truth,

@@ -37,6 +37,7 @@ class SceneShadows {
   void forget_positions() { positions_.reset(); }
   /// Whether a cell gives a tile its first published position.
   bool gives_position(const LuminaireGeometry& geometry, CellIndex cell) const;
+  const Mesh& mesh() const { return mesh_; }
   /// How often maps have been made, of all placements.
   int times_made() const;
 

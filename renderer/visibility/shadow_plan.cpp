@@ -39,23 +39,9 @@ Vec2 center_mm(const TileGrid& grid, const Block& b) {
   return (grid.center_mm(b.column, b.row) + grid.center_mm(b.column_end - 1, b.row_end - 1)) / 2;
 }
 
-ShadowView from_u(const LuminaireGeometry& geometry, const TileGrid& grid, const Block& block) {
-  const Vec2 e = center_mm(grid, block), corner = geometry.measurement.corner_mm();
-  const Vec2 tiles(block.column_end - block.column, block.row_end - block.row);
-  const Vec2 half = grid.size_mm.cwiseProduct(tiles) / 2;
-  return {Vec3(e.x(), e.y(), 0), (corner - half - e) / geometry.planes.separation_mm,
-          (2 * geometry.measurement.center_mm - corner + half - e) / geometry.planes.separation_mm};
-}
-
-/// The view one texel wider, its texels moved by a part of one that is another for each map: where all maps' texels lay
-/// alike the steps of a shadow's edge would add up. The parts are those of the R2 sequence (Roberts 2018).
-ShadowView with_own_texels(ShadowView view, int map_px, std::size_t number) {
-  if (map_px < 2) return view;
-  const Vec2 step = (view.high - view.low) / (map_px - 1);
-  const auto part = [&](double ratio) { return std::fmod(0.5 + ratio * static_cast<double>(number), 1.0); };
-  view.low -= step.cwiseProduct(Vec2(part(0.7548776662466927), part(0.5698402909980532)));
-  view.high = view.low + map_px * step;
-  return view;
+/// Of what of U sees by the map.
+Vec2 half_of(const TileGrid& grid, const Block& block) {
+  return grid.size_mm.cwiseProduct(Vec2(block.column_end - block.column, block.row_end - block.row)) / 2;
 }
 
 std::optional<ShadowView> from_s(const LuminaireGeometry& geometry, const TilePositions& positions,
@@ -80,6 +66,21 @@ std::optional<ShadowView> from_s(const LuminaireGeometry& geometry, const TilePo
 }
 
 }  // namespace
+
+ShadowView view_from_u(const LuminaireGeometry& geometry, const Vec2& e, const Vec2& half) {
+  const Vec2 corner = geometry.measurement.corner_mm();
+  return {Vec3(e.x(), e.y(), 0), (corner - half - e) / geometry.planes.separation_mm,
+          (2 * geometry.measurement.center_mm - corner + half - e) / geometry.planes.separation_mm};
+}
+
+ShadowView with_own_texels(ShadowView view, int map_px, std::size_t number) {
+  if (map_px < 2) return view;
+  const Vec2 step = (view.high - view.low) / (map_px - 1);
+  const auto part = [&](double ratio) { return std::fmod(0.5 + ratio * static_cast<double>(number), 1.0); };
+  view.low -= step.cwiseProduct(Vec2(part(0.7548776662466927), part(0.5698402909980532)));
+  view.high = view.low + map_px * step;
+  return view;
+}
 
 double bias_of(const ShadowView& view, const ShadowSettings& settings) {
   const Vec2 step = (view.high - view.low) / settings.map_px;
@@ -109,9 +110,10 @@ Result<ShadowPlan> plan_shadows(const LuminaireGeometry& geometry, const ShadowS
     for (int row = 0; row < plan.grid.rows; row += b)
       for (int column = 0; column < plan.grid.columns; column += b) {
         const Block block = {column, row, std::min(column + b, plan.grid.columns), std::min(row + b, plan.grid.rows)};
-        const auto view = set == 0
-                              ? with_own_texels(from_u(geometry, plan.grid, block), settings.map_px, plan.views.size())
-                              : from_s(geometry, *positions, block);
+        const auto view =
+            set == 0 ? with_own_texels(view_from_u(geometry, center_mm(plan.grid, block), half_of(plan.grid, block)),
+                                       settings.map_px, plan.views.size())
+                     : from_s(geometry, *positions, block);
         plan.maps_of[static_cast<std::size_t>(set)].push_back(view ? static_cast<int>(plan.views.size()) : -1);
         if (view) plan.views.push_back(*view);
       }

@@ -59,6 +59,13 @@ struct ShadowPlan {
   bool operator==(const ShadowPlan&) const = default;
 };
 
+/// From e on U: the images on S, widened by `half_mm` a side, half of what of U sees by the map.
+ShadowView view_from_u(const LuminaireGeometry& geometry, const Vec2& e_mm, const Vec2& half_mm);
+
+/// The view one texel wider, its texels moved by a part of one that is another for each map: where all maps' texels lay
+/// alike the steps of a shadow's edge would add up. The parts are those of the R2 sequence (Roberts 2018).
+ShadowView with_own_texels(ShadowView view, int map_px, std::size_t number);
+
 /// Of a map, in shares of the distance along z: ε and the texels' part.
 double bias_of(const ShadowView& view, const ShadowSettings& settings);
 

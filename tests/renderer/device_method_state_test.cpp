@@ -41,7 +41,8 @@ class DeviceMethodState : public testing::TestWithParam<Method> {
 INSTANTIATE_TEST_SUITE_P(All, DeviceMethodState,
                          testing::Values(Method::closed_form, Method::position_dependent,
                                          Method::position_dependent_printed, Method::uniform_box,
-                                         Method::precomputed_lights, Method::far_field, Method::reference),
+                                         Method::precomputed_lights, Method::far_field, Method::shift_invariant,
+                                         Method::reference),
                          [](const auto& each) {
                            std::string name(to_string(each.param));
                            std::erase(name, '-');
@@ -129,12 +130,14 @@ TEST_P(DeviceMethodState, IsEvaluatedInPieces) {
   EXPECT_FALSE(method->evaluate(0).value());
   const std::vector<double> part = read(*method);
   for (std::size_t k = 0; k < whole.size(); ++k) EXPECT_TRUE(part[k] == 0 || part[k] == whole[k]) << "computed, or 0";
-  if (GetParam() != Method::closed_form) {
+  if (GetParam() != Method::closed_form && GetParam() != Method::shift_invariant) {
     EXPECT_NE(part[0], 0) << "its pieces are receivers";
   }
   while (!method->evaluate(0).value()) continue;
   const std::vector<double> pieces = read(*method);
-  for (std::size_t k = 0; k < whole.size(); ++k) EXPECT_NEAR(pieces[k], whole[k], 1e-12 * std::abs(whole[k]));
+  // Sums in float round by the order of what they add.
+  const double rounding = GetParam() == Method::shift_invariant ? 1e-6 : 1e-12;
+  for (std::size_t k = 0; k < whole.size(); ++k) EXPECT_NEAR(pieces[k], whole[k], rounding * std::abs(whole[k]));
 }
 
 TEST_P(DeviceMethodState, SettingsThatAKernelHasNoUseForAreRefused) {

@@ -89,6 +89,9 @@ bool may_refuse(Method method, const std::string& name) {
     case Method::far_field:
       return !any_of(
           {"1e5 mm away", "behind U", "on U", "supports wholly off the images", "no light", "no cell at all"});
+    case Method::shift_invariant:
+      // Where u_m is not where n·(u − p) has its mean: a receiver as near as the support is wide, and grazing ones.
+      return any_of({"near U", "grazing: horizons cut supports", "grazing near U", "grazing far away"});
   }
   return false;
 }
@@ -112,8 +115,8 @@ void expect_right_where_they_must_be(const std::vector<Tried>& all) {
 }
 
 void expect_few_refusals(const std::vector<Tried>& all) {
-  std::map<std::string, int> left{{"states an error of", 63}, {"states an error though there is no light", 1},
-                                  {"has NaN or Inf", 7},      {"where no light is seen", 4},
+  std::map<std::string, int> left{{"states an error of", 67}, {"states an error though there is no light", 1},
+                                  {"has NaN or Inf", 8},      {"where no light is seen", 4},
                                   {"has no digits", 4},       {"between the planes", 7},
                                   {"luminance is below 0", 2}};
   for (const Tried& tried : all) {
@@ -146,7 +149,7 @@ void expect_wrong_kernels_to_fail(const std::vector<Tried>& all) {
     }
     lit += light;
   }
-  EXPECT_GT(lit, 210);
+  EXPECT_GT(lit, 240);
 }
 
 void expect_forms_wrong_alike_to_fail(const std::vector<Tried>& all) {
@@ -165,7 +168,7 @@ void expect_forms_wrong_alike_to_fail(const std::vector<Tried>& all) {
         << label(tried);
     ++judged_so;
   }
-  EXPECT_GT(judged_so, 150);
+  EXPECT_GT(judged_so, 175);
 }
 
 /// No row is failed; ours answers wherever it does without shadows and gloss, but where a lobe at grazing angles varies
@@ -191,9 +194,9 @@ void expect_right_with(StabilityLook look, int least_ok) {
   EXPECT_GE(ok, least_ok);
 }
 
-TEST_F(Stability, TheTableIsRightInHalfShadow) { expect_right_with(StabilityLook::half_shadow, 200); }
+TEST_F(Stability, TheTableIsRightInHalfShadow) { expect_right_with(StabilityLook::half_shadow, 205); }
 
-TEST_F(Stability, TheTableIsRightWithGlossInHalfShadow) { expect_right_with(StabilityLook::glossy, 170); }
+TEST_F(Stability, TheTableIsRightWithGlossInHalfShadow) { expect_right_with(StabilityLook::glossy, 180); }
 
 TEST_F(Stability, TheTableIsRightAndWouldFindWhatIsWrong) {
   std::vector<Tried> all;

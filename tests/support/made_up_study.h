@@ -26,6 +26,7 @@ inline Study made_up_study() {
       add(Method::precomputed_lights, luminaire, 4 * k, slow * (0.2 + 0.012 * k), 5 / std::sqrt(k));
     }
     add(Method::far_field, luminaire, 0, 0.5, 0.35 * slow);
+    add(Method::shift_invariant, luminaire, 0, slow * 200, 0.004);
     add(Method::reference, luminaire, 0, slow * 2900, 0);
     study.points.push_back({Method::closed_form, luminaire, 0, slow * 1400, 3e-8, 0, "pthread-AMD EPYC", 1024, 768});
     slow *= 1.4;

@@ -4,22 +4,21 @@
 #include <string>
 #include <vector>
 
-#include "renderer/methods/closed_form.h"
 #include "renderer/methods/device_method.h"
+#include "renderer/methods/running_sums.h"
 
 namespace lumifield {
 
-/// The closed form's kernel in the methods' role. It is additive, so that an evaluation adds cells piece by piece to
-/// all receivers, of which none is computed before the last. Its samples and seed count for nothing. Thread-bound.
-class ClosedFormEvaluation final : public DeviceMethod {
+/// Running sums in the methods' role: an evaluation adds cells piece by piece to all receivers, of which none is
+/// computed before the last. Samples and seed count for nothing. Thread-bound.
+class SummedEvaluation final : public DeviceMethod {
  public:
-  static Result<std::unique_ptr<ClosedFormEvaluation>> create(const LuminaireGeometry& geometry,
-                                                              const MethodSettings& settings);
-  std::string device_name() const override { return device_->device_name(); }
+  SummedEvaluation(const LuminaireGeometry& geometry, const MethodSettings& settings, std::unique_ptr<RunningSums> sums)
+      : DeviceMethod(geometry, settings), sums_(std::move(sums)) {}
+  std::string device_name() const override { return sums_->device_name(); }
   double kernel_s() const override { return kernel_s_; }
 
  private:
-  using DeviceMethod::DeviceMethod;
   Status take_cells(const LightField& light_field) override;
   Status take_receivers(std::span<const Receiver> receivers) override;
   Status begin() override;
@@ -29,7 +28,7 @@ class ClosedFormEvaluation final : public DeviceMethod {
   /// Cells of the next piece, where `seconds` are left.
   std::size_t fit(double seconds) const;
 
-  std::unique_ptr<ClosedFormDevice> device_;
+  std::unique_ptr<RunningSums> sums_;
   std::vector<CellIndex> cells_;                          ///< the measured ones in the grid's order
   std::vector<std::shared_ptr<const CellImage>> images_;  ///< of these
   std::vector<Receiver> receivers_;                       ///< to clear the sums by

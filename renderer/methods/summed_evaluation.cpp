@@ -1,4 +1,4 @@
-#include "renderer/methods/closed_form_evaluation.h"
+#include "renderer/methods/summed_evaluation.h"
 
 #include <algorithm>
 #include <chrono>
@@ -8,17 +8,7 @@
 
 namespace lumifield {
 
-Result<std::unique_ptr<ClosedFormEvaluation>> ClosedFormEvaluation::create(const LuminaireGeometry& geometry,
-                                                                           const MethodSettings& settings) {
-  auto device = ClosedFormDevice::create(geometry);
-  if (!device) return tl::unexpected(device.error());
-  if (Status set = (*device)->set_lod(settings.lod); !set) return tl::unexpected(set.error());
-  std::unique_ptr<ClosedFormEvaluation> made(new ClosedFormEvaluation(geometry, settings));
-  made->device_ = std::move(*device);
-  return made;
-}
-
-Status ClosedFormEvaluation::take_cells(const LightField& light_field) {
+Status SummedEvaluation::take_cells(const LightField& light_field) {
   cells_.clear();
   images_.clear();
   for (int flat = 0; flat < geometry_.sampling.cells(); ++flat) {
@@ -30,23 +20,23 @@ Status ClosedFormEvaluation::take_cells(const LightField& light_field) {
   return {};
 }
 
-Status ClosedFormEvaluation::take_receivers(std::span<const Receiver> receivers) {
+Status SummedEvaluation::take_receivers(std::span<const Receiver> receivers) {
   receivers_.assign(receivers.begin(), receivers.end());
-  const Status set = device_->set_receivers(receivers_, appearance());
+  const Status set = sums_->set_receivers(receivers_, appearance());
   clear_ = set.has_value();
   return set;
 }
 
-Status ClosedFormEvaluation::begin() {
+Status SummedEvaluation::begin() {
   if (!clear_)
-    if (Status cleared = device_->set_receivers(receivers_, appearance()); !cleared) return cleared;
+    if (Status cleared = sums_->set_receivers(receivers_, appearance()); !cleared) return cleared;
   clear_ = true;
   next_ = 0;
   kernel_s_ = 0;
   return {};
 }
 
-std::size_t ClosedFormEvaluation::fit(double seconds) const {
+std::size_t SummedEvaluation::fit(double seconds) const {
   const std::size_t left = cells_.size() - next_;
   if (!std::isfinite(seconds)) return left;
   const double each_s = next_ > 0 ? kernel_s_ / static_cast<double>(next_) : 0;
@@ -54,35 +44,34 @@ std::size_t ClosedFormEvaluation::fit(double seconds) const {
   return std::min(left, static_cast<std::size_t>(std::clamp(cells, 1.0, 1e6)));
 }
 
-Result<bool> ClosedFormEvaluation::go_on(double seconds) {
+Result<bool> SummedEvaluation::go_on(double seconds) {
   const auto start = std::chrono::steady_clock::now();
   while (next_ < cells_.size()) {
     const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::size_t count = fit(seconds - passed);
     const std::span<const std::shared_ptr<const CellImage>> images(images_);
     clear_ = false;
-    if (Status added = device_->add_cells(std::span(cells_).subspan(next_, count), images.subspan(next_, count));
-        !added)
+    if (Status added = sums_->add_cells(std::span(cells_).subspan(next_, count), images.subspan(next_, count)); !added)
       return tl::unexpected(added.error());
-    kernel_s_ += device_->last_kernel_s();
+    kernel_s_ += sums_->last_kernel_s();
     next_ += count;
     if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >= seconds) break;
   }
   return next_ == cells_.size();
 }
 
-Status ClosedFormEvaluation::read_computed(std::span<double> irradiance) {
+Status SummedEvaluation::read_computed(std::span<double> irradiance) {
   if (next_ < cells_.size()) return {};
   std::vector<double> sums;
-  if (Status read = device_->read(sums); !read) return read;
+  if (Status read = sums_->read(sums); !read) return read;
   std::copy(sums.begin(), sums.end(), irradiance.begin());
   return {};
 }
 
-Status ClosedFormEvaluation::read_gloss_computed(std::span<double> radiance) {
+Status SummedEvaluation::read_gloss_computed(std::span<double> radiance) {
   if (next_ < cells_.size()) return {};
   std::vector<double> sums;
-  if (Status read = device_->read_gloss(sums); !read) return read;
+  if (Status read = sums_->read_gloss(sums); !read) return read;
   std::copy(sums.begin(), sums.end(), radiance.begin());
   return {};
 }
