@@ -7,6 +7,7 @@
 
 #include "app/views/cell_marks.h"
 #include "app/views/value_text.h"
+#include "renderer/shift_invariant/constant_distance_error.h"
 
 namespace lumifield {
 
@@ -32,6 +33,7 @@ double quality_value(CellFigure figure, const Quality& quality) {
       return quality.dark_dn;
     case CellFigure::neighbours:
     case CellFigure::total:
+    case CellFigure::constant_distance:
       break;
   }
   return not_known;
@@ -57,6 +59,8 @@ QString figure_name(CellFigure figure) {
       return tr("Neighbour difference");
     case CellFigure::total:
       return tr("Total light");
+    case CellFigure::constant_distance:
+      return tr("Constant-distance error");
   }
   return {};
 }
@@ -78,7 +82,8 @@ QString figure_meaning(CellFigure figure) {
     case CellFigure::neighbours:
       return tr("Difference from the mean of the measured cells beside, above and below: 0 alike, 1 nothing in common");
     case CellFigure::total:
-      return tr("Sum of C times the pixel's area over all pixels and channels");
+      return tr(
+          "Er(θ0): what one distance for a whole cell makes of cos⁴θ, at most over the image, in % (Granier 2003)");
   }
   return {};
 }
@@ -88,6 +93,7 @@ QString figure_unit(CellFigure figure, Quantity quantity) {
     case CellFigure::saturated:
     case CellFigure::starved:
     case CellFigure::drift:
+    case CellFigure::constant_distance:
       return QStringLiteral("%");
     case CellFigure::position:
       return QStringLiteral("mm");
@@ -127,6 +133,7 @@ double CellFigures::value(CellFigure figure, CellIndex cell) const {
   const LuminaireModel::Cell* known = model_.cell(cell);
   if (!known || !model_.geometry()) return not_known;
   if (figure == CellFigure::neighbours) return known->neighbour_difference;
+  if (figure == CellFigure::constant_distance) return 100 * largest_constant_distance_error(*model_.geometry(), cell);
   if (figure == CellFigure::total) return look_at(cell).sum * model_.geometry()->measurement.pixel_mm.prod();
   return known->entry.quality ? quality_value(figure, *known->entry.quality) : not_known;
 }
@@ -172,6 +179,9 @@ QString CellFigures::summary(CellIndex cell) const {
   text += tr(", generation %1").arg(known->entry.generation);
   for (const CellFigure figure : all_cell_figures)
     text += QStringLiteral("\n%1: %2").arg(figure_name(figure), this->text(figure, cell));
+  if (value(CellFigure::constant_distance, cell) > wide_basis_percent)
+    text += u'\n' + tr("Its basis is wide for the planes' distance: above %1 % of error as a single spotlight")
+                        .arg(value_text(wide_basis_percent));
   if (known->entry.quality)
     for (const std::string& warning : known->entry.quality->warnings)
       text += u'\n' + tr("Warning: %1").arg(QString::fromStdString(warning));

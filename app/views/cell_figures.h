@@ -12,10 +12,12 @@
 namespace lumifield {
 
 /// The figures that say how good a cell is.
-enum class CellFigure { saturated, starved, snr, position, drift, dark, neighbours, total };
-inline constexpr std::array all_cell_figures{CellFigure::saturated,  CellFigure::starved, CellFigure::snr,
-                                             CellFigure::position,   CellFigure::drift,   CellFigure::dark,
-                                             CellFigure::neighbours, CellFigure::total};
+enum class CellFigure { saturated, starved, snr, position, drift, dark, neighbours, total, constant_distance };
+inline constexpr std::array all_cell_figures{
+    CellFigure::saturated, CellFigure::starved,    CellFigure::snr,   CellFigure::position,         CellFigure::drift,
+    CellFigure::dark,      CellFigure::neighbours, CellFigure::total, CellFigure::constant_distance};
+/// Of constant_distance, in percent: from here on the cell is told to have too wide a basis for its distance.
+inline constexpr double wide_basis_percent = 8;
 
 /// "Saturated share"; what it is, in a sentence; its unit as shown, "" for a plain number.
 QString figure_name(CellFigure figure);

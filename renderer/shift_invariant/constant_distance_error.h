@@ -1,5 +1,7 @@
 #pragma once
 
+#include "luminaire/geometry.h"
+
 namespace lumifield {
 
 /// What a constant distance of a cell's support makes of the geometric term (Granier et al. 2003, Eq. 11, Fig. 3):
@@ -12,5 +14,9 @@ namespace lumifield {
 /// distance in a pair of measuring and reconstructing filters, not of shift_invariant.h, which has cos⁴ of each
 /// receiver. 0 ≤ θ0 < π/2; a pure function.
 double constant_distance_error(double half_support, double theta0_rad, double azimuth_rad);
+
+/// The largest over the places of S that a cell's image shows, of 33×33 of them, corners included; of the support's
+/// longer side.
+double largest_constant_distance_error(const LuminaireGeometry& geometry, CellIndex cell);
 
 }  // namespace lumifield

@@ -65,5 +65,21 @@ TEST(ConstantDistanceError, IsAlikeOnAllSidesAndNoneOfAPoint) {
       EXPECT_NEAR(constant_distance_error(0.05, 0.8, turned), constant_distance_error(0.05, 0.8, azimuth), 1e-14);
 }
 
+TEST(ConstantDistanceError, OfACellIsTheLargestOverItsImage) {
+  // A box of 6 mm at δ = 150 mm, s = 0.04, seen to both sides by 45° and more along x alone.
+  LuminaireGeometry geometry;
+  geometry.planes.separation_mm = 150;
+  geometry.sampling = {BasisKind::box, {6, 6}, 1, 1, {0, 0}};
+  geometry.measurement = {400, 1, {1, 1e-6}, {0, 0}};
+  EXPECT_NEAR(largest_constant_distance_error(geometry, {0, 0}), 0.080, 1e-3);
+  // Only as far as the image goes: straight on there is next to none.
+  geometry.measurement = {1, 1, {1e-6, 1e-6}, {0, 0}};
+  EXPECT_NEAR(largest_constant_distance_error(geometry, {0, 0}), constant_distance_error(0.02, 0, 0), 1e-6);
+  // The image that a cell at the rim of the grid has is seen from there, and the longer side of the support counts.
+  geometry.sampling = {BasisKind::box, {6, 3}, 2, 1, {0, 0}};
+  geometry.measurement = {100, 1, {1, 1e-6}, {53, 0}};
+  EXPECT_GT(largest_constant_distance_error(geometry, {0, 0}), largest_constant_distance_error(geometry, {0, 1}));
+}
+
 }  // namespace
 }  // namespace lumifield

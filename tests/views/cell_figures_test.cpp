@@ -4,10 +4,29 @@
 
 #include "app/views/value_scale.h"
 #include "renderer/false_colour.h"
+#include "renderer/shift_invariant/constant_distance_error.h"
 #include "tests/views/lamp_model.h"
 
 namespace lumifield {
 namespace {
+
+TEST(CellFigures, AWideBasisIsTold) {
+  LuminaireModel model;
+  CellFigures figures(model);
+  LuminaireGeometry geometry = lamp_geometry(3, 2, {"Y"});
+  geometry.planes.separation_mm = 1e5;
+  model.reset(geometry, "lamp");
+  model.put(entry_of({1, 0}, warned()), flat_image(geometry, 2));
+  EXPECT_LT(figures.value(CellFigure::constant_distance, {1, 0}), 0.1);
+  EXPECT_FALSE(figures.summary({1, 0}).contains("basis is wide"));
+  geometry.planes.separation_mm = 20;
+  model.reset(geometry, "lamp");
+  model.put(entry_of({1, 0}, warned()), flat_image(geometry, 2));
+  EXPECT_NEAR(figures.value(CellFigure::constant_distance, {1, 0}),
+              100 * largest_constant_distance_error(geometry, {1, 0}), 1e-12);
+  EXPECT_GT(figures.value(CellFigure::constant_distance, {1, 0}), 8);
+  EXPECT_TRUE(figures.summary({1, 0}).contains("basis is wide"));
+}
 
 TEST(CellFigures, SpeakInTheUnitsShown) {
   LuminaireModel model;
