@@ -204,6 +204,8 @@ void add_study(CLI::App& app, StudyOptions& o) {
       ->required();
   study->add_option("--cache", o.cache, "Folder in which references are kept, else $XDG_CACHE_HOME/lumifield");
   study->add_flag("--quick", o.quick, "Few points of each method: minutes instead of up to an hour");
+  study->add_flag("--ladders-only", o.ladders_only,
+                  "Errors against time alone: no cases in which methods fail, no figures");
   study->add_flag("--force", o.force, "Replace the study that is in the folder");
   study->add_flag("--json", o.json, "Print the summary as one JSON object");
 }

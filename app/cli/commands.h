@@ -62,7 +62,7 @@ struct StudyOptions {
   std::vector<std::string> luminaires;  ///< dataset folders or built-in names; none: all that are built in
   std::string scene, out;
   std::string cache;  ///< folder of references kept; empty: cache_folder()
-  bool quick = false, force = false, json = false;
+  bool quick = false, ladders_only = false, force = false, json = false;
 };
 int run_study_command(const StudyOptions& options, WriteStudyChart write_chart);
 

@@ -60,12 +60,13 @@ Result<StudyLuminaire> read_luminaire(const std::string& text) {
                  coverage.total - coverage.measured, coverage.total);
   fs::path folder = text;
   if (!folder.has_filename()) folder = folder.parent_path();
-  return StudyLuminaire{study_name(folder.stem().string()), std::move(dataset->light_field)};
+  return StudyLuminaire{study_luminaire_name(folder.stem().string()), std::move(dataset->light_field)};
 }
 
 Result<StudyJob> make_job(const StudyOptions& options) {
   StudyJob job;
   job.quick = options.quick;
+  job.ladders_only = options.ladders_only;
   job.cache = options.cache.empty() ? cache_folder() : fs::path(options.cache);
   auto scene = read_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());

@@ -149,7 +149,8 @@ void PreviewWorker::sum() {
   const int before = renderer_->waiting();
   if (const Status done = renderer_->sum_some(hasty_ ? hasty_slices * pace_.slice : pace_.slice); !done)
     return stop_at(done.error());
-  caught_up_ = caught_up();
+  // Published shadows that move have all cells wait anew: until they are in again the picture has fewer than before.
+  caught_up_ = renderer_->waiting() == 0 || (caught_up_ && renderer_->waiting() <= before);
   dirty_ = true;
   const double took_s = seconds_since(start);
   sum_s_ += took_s;

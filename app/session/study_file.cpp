@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view format = "lumifield-study";
 constexpr int version = 1;
-constexpr std::size_t most_rows = 10'000, longest_name = 200, longest_reason = 4'000;
+constexpr std::size_t most_rows = 10'000, longest_name = 200, longest_look = 40, longest_reason = 4'000;
 constexpr int largest_picture = 16'384;
 constexpr std::array<std::string_view, 3> outcomes{"ok", "refused", "failed"};
 
@@ -160,6 +160,7 @@ std::string csv_of(const std::vector<Row>& rows) {
 }  // namespace
 
 std::string study_name(std::string_view text) { return fitted(text, longest_name); }
+std::string study_luminaire_name(std::string_view text) { return fitted(text, longest_name - longest_look); }
 
 std::string study_json(const Study& study) {
   return json_file_text({{"format", format},
@@ -185,8 +186,9 @@ Result<Study> parse_study(std::string_view json, std::string_view name) {
   for (const JsonValue& each : root["figures"].elements(0, most_rows)) study.figures.push_back(read_figure(each));
   std::set<std::string_view> luminaires;
   for (const StudyPoint& point : study.points) luminaires.insert(point.luminaire);
-  if (luminaires.size() > most_study_luminaires)
-    root["points"].refuse("name more than " + std::to_string(most_study_luminaires) + " luminaires", "split the study");
+  if (luminaires.size() > most_study_plots)
+    root["points"].refuse("name more than " + std::to_string(most_study_plots) + " luminaires and looks",
+                          "split the study");
   if (Status right = document->status(); !right) return tl::unexpected(right.error());
   return study;
 }

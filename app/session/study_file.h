@@ -16,10 +16,14 @@ namespace lumifield {
 inline constexpr std::string_view study_file_name = "study.json";
 
 inline constexpr std::size_t most_study_luminaires = 32;
+/// Names of its points: each luminaire's own, that in shadow, and of one some with gloss.
+inline constexpr std::size_t most_study_plots = 2 * most_study_luminaires + 8;
 
 /// A name as a study file holds it: bytes that are not UTF-8 are replacement characters, and a text that is too long
 /// ends in "…".
 std::string study_name(std::string_view text);
+/// Of a luminaire: shorter, so that there is room for how it looks.
+std::string study_luminaire_name(std::string_view text);
 
 std::string study_json(const Study& study);
 

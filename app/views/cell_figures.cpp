@@ -82,6 +82,8 @@ QString figure_meaning(CellFigure figure) {
     case CellFigure::neighbours:
       return tr("Difference from the mean of the measured cells beside, above and below: 0 alike, 1 nothing in common");
     case CellFigure::total:
+      return tr("Sum of C times the pixel's area over all pixels and channels");
+    case CellFigure::constant_distance:
       return tr(
           "Er(θ0): what one distance for a whole cell makes of cos⁴θ, at most over the image, in % (Granier 2003)");
   }

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "app/session/guarded.h"
 #include "app/views/preview_text.h"
 
 namespace lumifield {
@@ -62,7 +63,7 @@ void PictureSaver::begin(const std::filesystem::path& file, std::function<Status
   busy_ = true;
   emit busyChanged(true);
   writing_ = std::jthread([this, work = std::move(work), done = std::move(done)] {
-    const Status written = work();
+    const Status written = guarded("saving", work);
     QMetaObject::invokeMethod(
         this, [this, written, done] { finish(written, done); }, Qt::QueuedConnection);
   });

@@ -201,6 +201,7 @@ Status ShiftInvariantDevice::Impl::take(std::span<const float> p, std::span<cons
     if (const Status taken = take_part(k, p, n, numbers, appearance); !taken) return taken;
   count = all;
   lighting_passes = depth_passes = 0;
+  scene.face_xyzw = {};  // not looked at again
   has_receivers = true;
   return {};
 }

@@ -35,7 +35,8 @@ class Frame {
   Frame(StudyCamera& camera, const StudyLuminaire& luminaire, const StudyProgress& progress)
       : camera_(camera), luminaire_(luminaire), light_field_(luminaire.light_field), progress_(progress) {}
 
-  Status prepare(int width_px, int height_px);
+  /// `moved_mm`: all luminaires along x of the scene, so that shadow maps are made for them.
+  Status prepare(int width_px, int height_px, double moved_mm);
   /// Of a method that has nothing yet: kernel time. What it hands over and shows is in `hand_over_s` and `show_s`.
   Result<double> light(DeviceMethod& method, double each_s);
   Result<double> step(SamplingSteps steps) {
@@ -62,8 +63,9 @@ class Frame {
   Appearance appearance_;
 };
 
-Status Frame::prepare(int width_px, int height_px) {
-  const Scene& scene = camera_.scene();
+Status Frame::prepare(int width_px, int height_px, double moved_mm) {
+  Scene scene = camera_.scene();
+  for (ScenePlacement& each : scene.luminaires) each.pose(0, 3) += moved_mm;
   Watch watch;
   auto gbuffer = camera_.pass().draw(scene.camera, width_px, height_px);
   if (!gbuffer) return tl::unexpected(gbuffer.error());
@@ -113,8 +115,9 @@ Result<std::vector<FigureRow>> frame_figures(StudyCamera& camera, const StudyLum
   const int width = quick ? 256 : 1024, height = quick ? 192 : 768;
   Frame frame(camera, luminaire, progress);
   // The first frame compiles what is compiled once.
-  for (int times = 0; times < 2; ++times)
-    if (const Status prepared = frame.prepare(width, height); !prepared) return tl::unexpected(prepared.error());
+  for (const double moved_mm : {1.0, 0.0})
+    if (const Status prepared = frame.prepare(width, height, moved_mm); !prepared)
+      return tl::unexpected(prepared.error());
   const auto balance = frame.step(SamplingSteps::balance);
   const auto drawn = balance.and_then([&](double) { return frame.step(SamplingSteps::draws); });
   const auto kernel = drawn.and_then([&](double) { return frame.step(SamplingSteps::all); });

@@ -38,7 +38,8 @@ class StudyRun {
     auto climb = climb_ladder(**bench, job_.quick, part(k, 0, 0.5));
     if (!climb) return tl::unexpected(climb.error());
     take(equal_error_rows(climb->points, luminaire.name));
-    if (Status done = figures(paper_figures(**bench, job_.quick, part(k, 0.5, 0.5))); !done) return done;
+    if (!job_.ladders_only)
+      if (Status done = figures(paper_figures(**bench, job_.quick, part(k, 0.5, 0.5))); !done) return done;
     if (first)
       if (Status full = confirm_at_full_size(**bench, camera_, job_.quick, part(k, 0.6, 0.7), *climb); !full)
         return full;
@@ -48,17 +49,19 @@ class StudyRun {
       const double each = 0.2 / static_cast<double>(all.size()), from = 0.7 + each * static_cast<double>(l);
       if (Status done = look(luminaire, all[l], part(k, from, from + each)); !done) return done;
     }
+    if (job_.ladders_only) return {};
     if (first || !job_.quick)
       if (Status done = figures(shadow_figures(camera_, luminaire, part(k, 0.9, 0.95))); !done) return done;
     return last ? figures(frame_figures(camera_, luminaire, job_.quick, part(k, 0.95, 1))) : Status{};
   }
 
   Status stability() {
+    study_.stability = without_;
+    if (job_.ladders_only) return {};
     auto table = stability_table(
         [&](double share, const std::string& what) { return progress_(ladders + (1 - ladders) * share, what); });
     if (!table) return tl::unexpected(table.error());
-    study_.stability = std::move(*table);
-    study_.stability.insert(study_.stability.end(), without_.begin(), without_.end());
+    study_.stability.insert(study_.stability.begin(), table->begin(), table->end());
     return {};
   }
 

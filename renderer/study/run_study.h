@@ -12,14 +12,15 @@ struct StudyJob {
   Scene scene;  ///< its first luminaire's place is taken, of a whole frame all places
   std::vector<StudyLuminaire> luminaires;
   bool quick = false;
+  bool ladders_only = false;    ///< no stability table, none of the paper's figures
   std::filesystem::path cache;  ///< of references (reference_cache.h); empty: none are kept
 };
 
 /// The whole study: the ladder of every method on every luminaire, one point of each at 1024×768 on the first; the
-/// ladders of closed-form and position-dependent in shadow, and with gloss on the first; shadows beside the reference's;
-/// a whole frame of the last luminaire at all its places; the stability table; and the paper's figures. If quick, looks
-/// and shadows are the first luminaire's alone. Opens an EGL context and OpenCL on the calling thread. Errors: the
-/// scene's, no EGL, no OpenCL, a luminaire that lights nothing seen, stopped (ErrorKind::stopped).
+/// ladders of closed-form and position-dependent in shadow, and with gloss on the first; shadows beside the
+/// reference's; a whole frame of the last luminaire at all its places; the stability table; and the paper's figures. If
+/// quick, looks and shadows are the first luminaire's alone. Opens an EGL context and OpenCL on the calling thread.
+/// Errors: the scene's, no EGL, no OpenCL, a luminaire that lights nothing seen, stopped (ErrorKind::stopped).
 Result<Study> run_study(const StudyJob& job, const StudyProgress& progress);
 
 }  // namespace lumifield

@@ -76,6 +76,11 @@ void SceneShadows::take_positions(const LightField& light_field) {
     positions_ = std::move(now);
 }
 
+void SceneShadows::forget_luminaire() {
+  forget_positions();
+  for (Lamp& lamp : lamps_) lamp.fine_pose.reset();
+}
+
 bool SceneShadows::gives_position(const LuminaireGeometry& geometry, CellIndex cell) const {
   const TileGrid grid(geometry.sampling);
   if (!positions_ || !(positions_->grid == grid)) return true;

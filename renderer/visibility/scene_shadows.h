@@ -13,8 +13,8 @@
 
 namespace lumifield {
 
-/// What the receivers of a scene see of its luminaires, each placement of the one light field by itself. Depth maps are
-/// and the rays' tree are kept until light or scene move. Published positions are those of the first cells that gave
+/// What the receivers of a scene see of its luminaires, each placement of the one light field by itself. Depth maps and
+/// the rays' trees are kept until light or scene move. Published positions are those of the first cells that gave
 /// each tile one, until they are forgotten. Thread-bound to the context's thread; the context must outlive it.
 class SceneShadows {
  public:
@@ -35,6 +35,8 @@ class SceneShadows {
   void take_positions(const LightField& light_field);
   /// The next ones are of the cells of then.
   void forget_positions() { positions_.reset(); }
+  /// Of another luminaire: neither positions nor maps are those of the one before.
+  void forget_luminaire();
   /// Whether a cell gives a tile its first published position.
   bool gives_position(const LuminaireGeometry& geometry, CellIndex cell) const;
   const Mesh& mesh() const { return mesh_; }

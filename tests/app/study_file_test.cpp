@@ -123,18 +123,23 @@ TEST_F(StudyFile, NamesThePlaceOfWhatIsWrong) {
 
 TEST_F(StudyFile, SizesAreBounded) {
   Study many = small_study();
-  for (int k = 0; k < 33; ++k) {
+  for (std::size_t k = 0; k < most_study_plots; ++k) {
     many.points.push_back(many.points[0]);
     many.points.back().luminaire = "lamp " + std::to_string(k);
   }
   EXPECT_THAT(parse_study(study_json(many), "study.json").error().message(),
-              HasSubstr("points: name more than 32 luminaires"));
+              HasSubstr("points: name more than 72 luminaires and looks"));
   many.points.assign(10'001, many.points[0]);
   EXPECT_THAT(parse_study(study_json(many), "study.json").error().message(), HasSubstr("points: has 10001 elements"));
   support::write_text(folder_ / "study.json", std::string((4U << 20) + 1, ' '));
   EXPECT_THAT(read_study(folder_ / "study.json").error().message(), HasSubstr("study.json"));
   EXPECT_FALSE(read_study(folder_));
   EXPECT_FALSE(read_study("/dev/zero"));
+}
+
+TEST_F(StudyFile, HowALongNamedLuminaireLooksIsKept) {
+  const std::string looks = study_luminaire_name(std::string(300, 'x')) + ", GGX 0.05, in shadow";
+  EXPECT_EQ(study_name(looks), looks);
 }
 
 TEST_F(StudyFile, HostileNamesAreWrittenAsTheyAreRead) {

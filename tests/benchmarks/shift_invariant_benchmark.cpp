@@ -67,34 +67,65 @@ Scene hall_in_place_of(const Scene& other, const Mesh& mesh) {
   return scene;
 }
 
+/// Of a frame, the best of some each.
 struct Timed {
-  double cached_s = 0, moved_s = 0;  ///< a frame, the best of five: of another view, and with the lamp moved
+  double frame_s = HUGE_VAL;
+  double view_s = HUGE_VAL, receivers_s = HUGE_VAL, passes_s = HUGE_VAL, picture_s = HUGE_VAL;
+
+  void take(const Timed& other) {
+    frame_s = std::min(frame_s, other.frame_s);
+    view_s = std::min(view_s, other.view_s);
+    receivers_s = std::min(receivers_s, other.receivers_s);
+    passes_s = std::min(passes_s, other.passes_s);
+    picture_s = std::min(picture_s, other.picture_s);
+  }
 };
 
-Timed frames(const Scene& scene, const LightField& field, Visibility visibility, const SpotSettings& spots) {
-  auto renderer = Renderer::create(scene, size_px, size_px).value();
-  if (!renderer->set_method({.method = Method::shift_invariant, .spots = spots}) ||
-      !renderer->set_visibility(visibility) || !renderer->set_luminaire(field.geometry()) || !renderer->add_all(field))
-    std::exit(1);
-  SceneCamera camera = scene.camera;
-  std::vector<ScenePlacement> placements = scene.luminaires;
-  Timed best{HUGE_VAL, HUGE_VAL};
-  for (int k = 0; k < 6; ++k) {
-    const auto start = std::chrono::steady_clock::now();
-    camera.target_mm.x() += 1;
-    if (!renderer->set_view(camera, size_px, size_px) || !renderer->picture()) std::exit(1);
-    if (k > 0) best.cached_s = std::min(best.cached_s, seconds_since(start));
-    const auto moved = std::chrono::steady_clock::now();
-    placements[0].pose(0, 3) += 1;
-    if (!renderer->set_placements(placements) || !renderer->set_view(camera, size_px, size_px) || !renderer->picture())
-      std::exit(1);
-    if (k > 0) best.moved_s = std::min(best.moved_s, seconds_since(moved));
-  }
-  return best;
+void must(const Status& done) {
+  if (!done) std::fprintf(stderr, "%s\n", done.error().message().c_str()), std::exit(1);
 }
 
-LightField luminaire(int columns, int rows) {
-  return make_luminaire({.name = "bike", .columns = columns, .rows = rows}, 3);
+/// Of another view, part by part.
+Timed frame(Renderer& renderer, const SceneCamera& camera) {
+  Timed t;
+  const auto start = std::chrono::steady_clock::now();
+  must(renderer.set_view(camera, size_px, size_px));
+  t.view_s = seconds_since(start);
+  must(renderer.hand_over());
+  t.receivers_s = seconds_since(start) - t.view_s;
+  const auto passes = std::chrono::steady_clock::now();
+  must(renderer.sum_some(HUGE_VAL));
+  t.passes_s = seconds_since(passes);
+  const auto last = std::chrono::steady_clock::now();
+  if (!renderer.picture()) std::exit(1);
+  t.picture_s = seconds_since(last);
+  t.frame_s = seconds_since(start);
+  return t;
+}
+
+/// With depth maps as they are, and with the lamp moved before each.
+std::pair<Timed, Timed> frames(const Scene& scene, const LightField& field, Visibility visibility,
+                               const SpotSettings& spots) {
+  auto renderer = Renderer::create(scene, size_px, size_px).value();
+  must(renderer->set_method({.method = Method::shift_invariant, .spots = spots}));
+  must(renderer->set_visibility(visibility));
+  must(renderer->set_luminaire(field.geometry()));
+  must(renderer->add_all(field));
+  SceneCamera camera = scene.camera;
+  std::vector<ScenePlacement> placements = scene.luminaires;
+  Timed kept, moved;
+  for (int k = 0; k < 9; ++k) {
+    camera.target_mm.x() += 1;
+    kept.take(frame(*renderer, camera));
+    placements[0].pose(0, 3) += 1;
+    must(renderer->set_placements(placements));
+    moved.take(frame(*renderer, camera));
+  }
+  return {kept, moved};
+}
+
+LightField luminaire(int columns, int rows, int channels) {
+  return make_luminaire({.name = "bike", .columns = columns, .rows = rows}, channels);
 }
 
 int run(int argc, char** argv) {
@@ -104,28 +135,32 @@ int run(int argc, char** argv) {
   std::vector<int> per_pass;
   for (int k = 2; k < argc; ++k) per_pass.push_back(std::atoi(argv[k]));
   if (per_pass.empty()) per_pass.push_back(SpotSettings{}.cells_per_pass);
+  const std::size_t hall_triangles = read_mesh(hall.mesh, {}).value().triangles();
   double load[3] = {};
   (void)getloadavg(load, 3);
   std::printf("%s; %dx%d, load %.2f\n", probe_opengl().value().c_str(), size_px, size_px, load[0]);
-  for (const auto& [columns, rows] : {std::pair(5, 5), {7, 7}, {9, 7}}) {
-    const LightField field = luminaire(columns, rows);
+  std::printf("%-6s %-9s %-8s %-3s %-3s %9s %9s %8s   %s\n", "cells", "triangles", "shadows", "RGB", "X", "frames/s",
+              "frame ms", "ms/cell", "view + receivers + passes + picture, ms; with depth maps drawn anew");
+  for (const auto& [columns, rows] : {std::pair(5, 5), {7, 7}, {9, 7}})
     for (const Scene* scene : {&hall, &pillars})
       for (const Visibility visibility : {Visibility::none, Visibility::tile})
-        for (const int x : per_pass) {
-          SpotSettings spots{.look_up = SpotLookUp::textured, .cells_per_pass = x};
-          const Timed t = frames(*scene, field, visibility, spots);
-          const double cells = columns * rows;
-          std::printf("%dx%d cells, %zu triangles, %s, X = %d: %.1f frames/s (%.1f ms, %.2f ms a cell)", columns, rows,
-                      scene == &hall ? read_mesh(hall.mesh, {}).value().triangles() : mesh.triangles(),
-                      visibility == Visibility::none ? "no shadows" : "shadows", x, 1 / t.cached_s, 1e3 * t.cached_s,
-                      1e3 * t.cached_s / cells);
-          if (visibility != Visibility::none)
-            std::printf("; maps drawn anew %.1f frames/s (%.1f ms, %.2f ms a cell)", 1 / t.moved_s, 1e3 * t.moved_s,
-                        1e3 * t.moved_s / cells);
-          std::printf("\n");
-          std::fflush(stdout);
-        }
-  }
+        for (const int channels : {3, 1})
+          for (const int x : per_pass) {
+            const LightField field = luminaire(columns, rows, channels);
+            const SpotSettings spots{.look_up = SpotLookUp::textured, .cells_per_pass = x};
+            const auto [t, moved] = frames(*scene, field, visibility, spots);
+            const bool shadows = visibility != Visibility::none;
+            std::printf("%dx%-4d %-9zu %-8s %-3s %-3d %9.1f %9.1f %8.2f   %.1f + %.1f + %.1f + %.1f", columns, rows,
+                        scene == &hall ? hall_triangles : mesh.triangles(), shadows ? "yes" : "no",
+                        channels == 3 ? "yes" : "no", x, 1 / t.frame_s, 1e3 * t.frame_s,
+                        1e3 * t.passes_s / (columns * rows), 1e3 * t.view_s, 1e3 * t.receivers_s, 1e3 * t.passes_s,
+                        1e3 * t.picture_s);
+            if (shadows)
+              std::printf("; %.1f frames/s, %.2f ms/cell", 1 / moved.frame_s,
+                          1e3 * (moved.passes_s + moved.receivers_s) / (columns * rows));
+            std::printf("\n");
+            std::fflush(stdout);
+          }
   return 0;
 }
 
