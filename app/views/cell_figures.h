@@ -12,10 +12,11 @@
 namespace lumifield {
 
 /// The figures that say how good a cell is.
-enum class CellFigure { saturated, starved, snr, position, drift, dark, neighbours, total, constant_distance };
+enum class CellFigure { saturated, starved, snr, position, drift, dark, neighbours, constant_distance, total };
 inline constexpr std::array all_cell_figures{
-    CellFigure::saturated, CellFigure::starved,    CellFigure::snr,   CellFigure::position,         CellFigure::drift,
-    CellFigure::dark,      CellFigure::neighbours, CellFigure::total, CellFigure::constant_distance};
+    CellFigure::saturated, CellFigure::starved, CellFigure::snr,        CellFigure::position,
+    CellFigure::drift,     CellFigure::dark,    CellFigure::neighbours, CellFigure::constant_distance,
+    CellFigure::total};
 /// Of constant_distance, in percent: from here on the cell is told to have too wide a basis for its distance.
 inline constexpr double wide_basis_percent = 8;
 

@@ -1,6 +1,7 @@
 #include "app/views/cell_figures.h"
 
 #include <gtest/gtest.h>
+#include <set>
 
 #include "app/views/value_scale.h"
 #include "renderer/false_colour.h"
@@ -9,6 +10,13 @@
 
 namespace lumifield {
 namespace {
+
+TEST(CellFigures, EachSaysWhatItIs) {
+  std::set<QString> meanings;
+  for (const CellFigure figure : all_cell_figures) meanings.insert(figure_meaning(figure));
+  EXPECT_EQ(meanings.size(), all_cell_figures.size());
+  EXPECT_FALSE(meanings.contains(QString()));
+}
 
 TEST(CellFigures, AWideBasisIsTold) {
   LuminaireModel model;
