@@ -134,6 +134,8 @@ void check_use(const CLI::App& app, const std::string& method, double samples) {
   for (const char* option : {"--samples", "--seed"})
     if (app.count(option) > 0 && chosen.samples == 0)
       throw CLI::ValidationError(option, method + " takes none; leave it out");
+  if (app.count("--filter") > 0 && !averages_light(chosen.method))
+    throw CLI::ValidationError("--filter", method + " averages no light; leave it out");
   if (chosen.cost == MethodCost::lights && samples > most_lights)
     throw CLI::ValidationError("--samples", method + " takes 4 million lights at most");
 }
@@ -150,6 +152,11 @@ void add_method(CLI::App& app, Options& o) {
                  "Samples for each receiver, up to 10 million; precomputed-lights: lights in all, up to 4 million "
                  "(default: the method's usual)")
       ->check(sample_count());
+  app.add_option("--filter", o.filter,
+                 "filtered-brdf: each sample stands for a footprint, averaged (on: less noise, biased), or for a ray "
+                 "(off: unbiased)")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
   app.add_option("--seed", o.seed, "Seed of the samples")->capture_default_str();
   app.final_callback([&app, &o] { check_use(app, o.method, o.samples); });
 }

@@ -27,7 +27,7 @@ struct ScanOptions {
 int run_scan(const ScanOptions& options);
 
 struct RenderOptions {
-  std::string luminaire, scene, method = "closed-form", shadows = "tile", size = "1024x768", out;
+  std::string luminaire, scene, method = "closed-form", filter = "on", shadows = "tile", size = "1024x768", out;
   double exposure = default_exposure, white = 0;
   double lod = 0;      ///< pixels per support and axis, 0 exact
   double samples = 0;  ///< K for each receiver, or lights in all; 0: the method's usual
@@ -37,7 +37,7 @@ struct RenderOptions {
 int run_render(const RenderOptions& options);
 
 struct ProbeOptions {
-  std::string luminaire, points, method = "closed-form", device = "host", out;
+  std::string luminaire, points, method = "closed-form", filter = "on", device = "host", out;
   double lod = 0;      ///< pixels per support and axis, 0 exact
   double samples = 0;  ///< K for each receiver, or lights in all; 0: the method's usual
   std::uint32_t seed = 1;
@@ -66,12 +66,13 @@ struct StudyOptions {
 };
 int run_study_command(const StudyOptions& options, WriteStudyChart write_chart);
 
-/// Of --method, --lod, --samples and --seed, which were checked.
+/// Of --method, --lod, --samples, --filter and --seed, which were checked.
 template <class Options>
 MethodSettings method_settings(const Options& options) {
   MethodSettings settings{.method = method_from_string(options.method).value_or(Method::closed_form),
                           .lod = options.lod,
-                          .seed = options.seed};
+                          .seed = options.seed,
+                          .filter = options.filter == "on"};
   const double usual = info(settings.method).samples;
   if (options.samples > 0 || usual > 0) settings.samples = options.samples > 0 ? options.samples : usual;
   return settings;

@@ -18,17 +18,17 @@ struct Pair {
 };
 
 /// In the order of the methods. Chosen so that the least CIELAB distance of two of them, also as seen with a missing
-/// kind of cones, is as large as seven colours allow;
-/// shift-invariant's came to them, as far from them as one can be.
-constexpr std::array<Pair, 8> colours{{
-    {"#0060a8", "#56b4e9"},
-    {"#98330e", "#ec5f12"},
-    {"#66135c", "#ad7a94"},
-    {"#0fa45c", "#12f880"},
-    {"#b08808", "#f3d80b"},
-    {"#82888b", "#8ea670"},
-    {"#9808f8", "#8078f8"},
-    {"#1b1b1b", "#ffffff"},
+/// kind of cones, is as large as so many colours allow.
+constexpr std::array<Pair, 9> colours{{
+    {"#1d578e", "#5eaaf1"},
+    {"#7f2903", "#e3680a"},
+    {"#5e4b4b", "#aa7d88"},
+    {"#08a964", "#35fd81"},
+    {"#b38f19", "#ffc103"},
+    {"#ea47f2", "#d1b7d9"},
+    {"#9192a7", "#7f9256"},
+    {"#8309fc", "#8376ff"},
+    {"#210000", "#f9fffc"},
 }};
 
 /// Corners at equal angles, the first one up; with `inner` a star.
@@ -51,8 +51,7 @@ QPainterPath polygon(int corners, double radius, double inner = 0) {
 QColor method_colour(Method method, const QPalette& palette) {
   const auto& [on_light, on_dark] = colours.at(static_cast<std::size_t>(method));
   const QColor base = palette.color(QPalette::Base);
-  const QColor light(on_light), dark(on_dark);
-  return contrast(light, base) >= contrast(dark, base) ? light : dark;
+  return contrast(Qt::black, base) >= contrast(Qt::white, base) ? on_light : on_dark;
 }
 
 QPainterPath method_mark(Method method, double size) {
@@ -73,6 +72,9 @@ QPainterPath method_mark(Method method, double size) {
       break;
     case Method::precomputed_lights:
       path = QTransform().rotate(180).map(polygon(3, 1.2 * r));
+      break;
+    case Method::filtered_brdf:
+      path = polygon(6, 1.1 * r);
       break;
     case Method::far_field:
       path = polygon(5, 1.3 * r, 0.55 * r);

@@ -3,6 +3,7 @@
 #include "luminaire/dataset.h"
 #include "renderer/methods/closed_form.h"
 #include "renderer/methods/far_field_device.h"
+#include "renderer/methods/filtered_brdf_device.h"
 #include "renderer/methods/host_evaluation.h"
 #include "renderer/methods/host_method.h"
 #include "renderer/methods/image_sampler_device.h"
@@ -129,6 +130,8 @@ Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry
       return as_method(ImageSamplerDevice::create(geometry, settings));
     case Method::precomputed_lights:
       return as_method(PrecomputedLightsDevice::create(geometry, settings));
+    case Method::filtered_brdf:
+      return as_method(FilteredBrdfDevice::create(geometry, settings));
     case Method::far_field:
       return as_method(FarFieldDevice::create(geometry, settings));
     case Method::shift_invariant:

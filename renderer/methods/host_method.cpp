@@ -5,6 +5,7 @@
 
 #include "renderer/methods/closed_form_tiles.h"
 #include "renderer/methods/far_field.h"
+#include "renderer/methods/filtered_brdf.h"
 #include "renderer/methods/position_dependent.h"
 #include "renderer/methods/position_dependent_printed.h"
 #include "renderer/methods/precomputed_lights.h"
@@ -118,6 +119,8 @@ Status check_settings(const MethodSettings& s) {
     return fail("is negative or NaN", "memory for tables", "give 0 for half of what there is");
   if (const Status good = check_spots(s); !good) return good;
   // Of a method that has no use for them they are refused, not ignored.
+  if (!s.filter && !averages_light(s.method))
+    return fail(std::string(to_string(s.method)) + " averages no light", "filter", "leave it, or use filtered-brdf");
   if (s.method == Method::position_dependent || s.method == Method::position_dependent_printed) return {};
   const std::string has_none = std::string(to_string(s.method)) + " has none";
   const std::string remedy = "leave it as it is, or use position-dependent";
@@ -145,6 +148,8 @@ Result<std::unique_ptr<HostMethod>> make_host_method(const LightField& light_fie
       return std::make_unique<UniformBox>(light_field, settings);
     case Method::precomputed_lights:
       return std::make_unique<PrecomputedLights>(light_field, settings);
+    case Method::filtered_brdf:
+      return std::make_unique<FilteredBrdf>(light_field, settings);
     case Method::far_field:
       return FarField::create(light_field, settings);
     case Method::shift_invariant:

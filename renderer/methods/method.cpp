@@ -20,6 +20,10 @@ constexpr std::array all{
                MethodCost::samples, 200},
     MethodInfo{Method::precomputed_lights, "precomputed-lights",
                "light samples of the whole luminaire, the same for all receivers", MethodCost::lights, 10'000},
+    MethodInfo{Method::filtered_brdf, "filtered-brdf",
+               "samples of what each surface reflects, so many of its lobe and of its diffuse part, of averaged light "
+               "(Colbert 2007)",
+               MethodCost::samples, 200},
     MethodInfo{Method::far_field, "far-field", "the luminaire as a point with an intensity distribution",
                MethodCost::none, 0},
     MethodInfo{Method::shift_invariant, "shift-invariant",

@@ -20,6 +20,7 @@ enum class Method {
   position_dependent_printed,
   uniform_box,
   precomputed_lights,
+  filtered_brdf,
   far_field,
   shift_invariant,
   reference,
@@ -58,10 +59,16 @@ struct MethodSettings {
   double k_max = 0;      ///< bound of the samples of a receiver in one cell; 0: none. Of the position-dependent alone
   std::uint32_t seed = 1;
   PointSequence sequence = PointSequence::halton;
+  bool filter = true;                       ///< filtered-brdf: a sample stands for a footprint, not for a ray
   Inversion inversion = Inversion::secant;  ///< in a cdf; another, or a depth, is of the host forms alone
   int depth = whole_depth;                  ///< of the search
   double memory_bytes = 0;                  ///< that tables may take on the host, or the device; 0: half of what it has
   SpotSettings spots{};                     ///< of shift-invariant alone
 };
+
+/// Whether its samples can be filtered (MethodSettings::filter).
+inline bool averages_light(Method method) { return method == Method::filtered_brdf; }
+/// Of a method that draws whole samples for each receiver.
+inline int whole_samples(double samples) { return static_cast<int>(samples + 0.5); }
 
 }  // namespace lumifield

@@ -50,20 +50,22 @@ double ReceiverView::weight(const Vec2& u_m, const Vec2& tau) const {
   return g > 0 ? factor_ * (*basis_)(tau.x()) * (*basis_)(tau.y()) * g : 0;
 }
 
+double ReceiverView::seen(CellIndex cell, const Vec2& tau) const {
+  const Sampling& sampling = geometry_->sampling;
+  if (look_.sees) return look_.sees(sampling.cell_center_mm(cell) + sampling.spacing_mm.cwiseProduct(tau)) ? 1 : 0;
+  if (!look_.visible) return 1;
+  // The tile under τ; the support's high end counts to its last.
+  const auto tile = [&](double t) { return std::clamp(static_cast<int>(t + half_), 0, basis_->overlap() - 1); };
+  return look_.visible->share(look_.receiver, cell, cell.column + tile(tau.x()), cell.row + tile(tau.y()));
+}
+
 ReceiverView::Weights ReceiverView::weights(std::uint32_t number, const Vec2& tau) const {
   const Sampling& sampling = geometry_->sampling;
   const CellIndex cell = sampling.index(static_cast<int>(number));
   const Vec2 u_m = sampling.cell_center_mm(cell), u = u_m + sampling.spacing_mm.cwiseProduct(tau);
   Weights result{weight(u_m, tau), {}};
   if (result.irradiance == 0) return result;
-  if (look_.sees) {
-    if (!look_.sees(u)) return {};
-  } else if (look_.visible) {
-    // The tile under τ; the support's high end counts to its last.
-    const auto tile = [&](double t) { return std::clamp(static_cast<int>(t + half_), 0, basis_->overlap() - 1); };
-    result.irradiance *=
-        look_.visible->share(look_.receiver, cell, cell.column + tile(tau.x()), cell.row + tile(tau.y()));
-  }
+  result.irradiance *= seen(cell, tau);
   if (gloss_ == 0 || result.irradiance == 0) return result;
   const Vec3& p = receiver_.p_mm;
   result.gloss = glossy_brdf(look_.lobe, receiver_.n, Vec3(u.x() - p.x(), u.y() - p.y(), -p.z()).normalized());

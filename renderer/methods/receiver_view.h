@@ -46,6 +46,8 @@ class ReceiverView {
     std::array<double, 3> gloss{};
   };
   Weights weights(std::uint32_t number, const Vec2& tau) const;
+  /// What is seen of the light of a cell from τ, 0 … 1.
+  double seen(CellIndex cell, const Vec2& tau) const;
   /// Values of a receiver: irradiance by channel, then radiance by gloss (gloss_values).
   std::size_t values() const { return channels_ + gloss_; }
   /// Calls visit(k, w · C) for each of them, C by channel of a pixel.
@@ -58,6 +60,7 @@ class ReceiverView {
   const LuminaireGeometry& geometry() const { return *geometry_; }
   const Receiver& receiver() const { return receiver_; }
   const Basis& basis() const { return *basis_; }
+  const Look& look() const { return look_; }
 
  private:
   const LuminaireGeometry* geometry_;

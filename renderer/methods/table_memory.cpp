@@ -34,6 +34,10 @@ double host_table_bytes(const LuminaireGeometry& geometry, const MethodSettings&
                  ? 0
                  : cells * static_cast<double>(m.pixels()) * static_cast<double>(geometry.channels.size()) *
                        sizeof(double) / 3;
+    case Method::filtered_brdf:  // coarser levels
+      return settings.filter ? cells * static_cast<double>(m.pixels()) * static_cast<double>(geometry.channels.size()) *
+                                   sizeof(double) / 3
+                             : 0;
     case Method::uniform_box:
     case Method::far_field:  // its table is bounded where it is made
       break;

@@ -10,6 +10,7 @@
 #include "renderer/sampling/piecewise_constant_2d.h"
 #include "renderer/sampling/sample_counts.h"
 #include "renderer/study/synthetic_luminaire.h"
+#include "tests/support/deviations.h"
 #include "tests/support/small_luminaire.h"
 
 namespace lumifield {
@@ -190,13 +191,6 @@ double mean_squares(const LightField& field, Method which, double k, const Recei
   return sum;
 }
 
-/// What a deviation of n runs may be, as a share of the true one: its square's distribution is χ²_n/n, of which chance
-/// passes this once in 30,000 times on either side (Wilson, Hilferty 1931).
-double deviation_bound(int n, int side) {
-  const double spread = 2.0 / (9 * n);
-  return std::pow(1 - spread + 4 * side * std::sqrt(spread), 1.5);
-}
-
 TEST(SamplingMethods, AreAsFarOffAsTheyState) {
   // Independent points, for which the stated deviation is meant; the Halton sequence does better.
   const LightField field = small_luminaire();
@@ -217,8 +211,8 @@ TEST(SamplingMethods, AreAsFarOffAsTheyState) {
       }
       const double least = std::sqrt(stated * stated - mean_squares(field, which, samples, c.receiver));
       EXPECT_GT(least, 0.5 * stated) << to_string(which) << ' ' << c.name;
-      EXPECT_GT(std::sqrt(squares), deviation_bound(seeds, -1) * least) << to_string(which) << ' ' << c.name;
-      EXPECT_LT(std::sqrt(squares), deviation_bound(seeds, 1) * stated) << to_string(which) << ' ' << c.name;
+      EXPECT_GT(std::sqrt(squares), test::deviation_bound(seeds, -1) * least) << to_string(which) << ' ' << c.name;
+      EXPECT_LT(std::sqrt(squares), test::deviation_bound(seeds, 1) * stated) << to_string(which) << ' ' << c.name;
       // In the images as a whole the sequence' regularity is lost.
       if (which != Method::precomputed_lights) {
         EXPECT_LT(halton, squares) << to_string(which) << ' ' << c.name;

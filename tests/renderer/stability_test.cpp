@@ -86,6 +86,11 @@ bool may_refuse(Method method, const std::string& name) {
              any_of({"just beyond S", "grazing: horizons cut supports", "supports partly off the images",
                      "one pixel 1e6 brighter, beside what is seen", "basis box", "pyramid of 300x300",
                      "bright 4k images"});
+    case Method::filtered_brdf:
+      // Of a lamp that fills little of what a diffuse receiver sees few samples say little.
+      return !(near_s(name) && name.find("edge") == std::string::npos) &&
+             !any_of({"between the planes", "near U", "behind U", "on U", "n flipped", "supports wholly off the images",
+                      "no light", "light that cancels", "no cell at all"});
     case Method::far_field:
       return !any_of(
           {"1e5 mm away", "behind U", "on U", "supports wholly off the images", "no light", "no cell at all"});
@@ -115,8 +120,8 @@ void expect_right_where_they_must_be(const std::vector<Tried>& all) {
 }
 
 void expect_few_refusals(const std::vector<Tried>& all) {
-  std::map<std::string, int> left{{"states an error of", 67}, {"states an error though there is no light", 1},
-                                  {"has NaN or Inf", 8},      {"where no light is seen", 4},
+  std::map<std::string, int> left{{"states an error of", 93}, {"states an error though there is no light", 1},
+                                  {"has NaN or Inf", 9},      {"where no light is seen", 4},
                                   {"has no digits", 4},       {"between the planes", 7},
                                   {"luminance is below 0", 2}};
   for (const Tried& tried : all) {
@@ -134,9 +139,11 @@ void expect_wrong_kernels_to_fail(const std::vector<Tried>& all) {
   for (Tried tried : all) {
     if (!tried.both_answer()) continue;
     bool light = false;
-    for (const auto& run : tried.answers.host)
-      for (std::size_t k = 0; k < run.size(); ++k)
-        light |= std::abs(run[k].irradiance[0]) > 0.01 * tried.truth.light[k] && tried.truth.light[k] > 0;
+    // Of the seeds that both have: few rays meet a lamp that is far away.
+    for (std::size_t seed = 0; seed < tried.answers.kernel.size(); ++seed)
+      for (std::size_t k = 0; k < tried.answers.host[seed].size(); ++k)
+        light |= std::abs(tried.answers.host[seed][k].irradiance[0]) > 0.01 * tried.truth.light[k] &&
+                 tried.truth.light[k] > 0;
     const auto right = tried.answers.kernel;
     for (const double factor : {0.0, 0.5, 0.9, 0.99, 2.0, nan}) {
       for (std::size_t seed = 0; seed < right.size(); ++seed)

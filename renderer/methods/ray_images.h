@@ -1,0 +1,30 @@
+#pragma once
+
+#include "renderer/methods/device_images.h"
+#include "renderer/methods/method.h"
+#include "renderer/methods/ray_light_shared.h"
+#include "renderer/opencl/device.h"
+
+namespace lumifield {
+
+/// All cells' images on the device as ray_light.clh looks them up (RayLight). Thread-bound.
+class RayImages {
+ public:
+  RayImages(const LuminaireGeometry& geometry, bool with_levels);
+
+  /// Errors: images beyond what a kernel counts, more than they may take, the device's.
+  Status upload(OpenClDevice& device, const LightField& light_field, const MethodSettings& settings);
+  /// But the samples and points.
+  const RayGeometry& geometry() const { return shared_; }
+  /// Of each cell of the grid its image, −1 where unmeasured; the levels; the images.
+  const DeviceBuffer& slots() const { return slots_; }
+  const DeviceBuffer& levels() const { return levels_; }
+  const DeviceBuffer& images() const { return images_; }
+
+ private:
+  DeviceImages layout_;
+  RayGeometry shared_{};
+  DeviceBuffer slots_, levels_, images_;
+};
+
+}  // namespace lumifield

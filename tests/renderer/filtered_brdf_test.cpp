@@ -1,0 +1,216 @@
+// Samples of what a receiver reflects, on the host: unbiased where they are not filtered, and as far off as they say;
+// filtered, nearer than plain ones of the same number.
+#include "renderer/methods/filtered_brdf.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "renderer/methods/closed_form.h"
+#include "renderer/methods/seen_tiles.h"
+#include "renderer/study/synthetic_luminaire.h"
+#include "tests/support/deviations.h"
+#include "tests/support/small_luminaire.h"
+
+namespace lumifield {
+namespace {
+
+LightField small_luminaire(int channels = 1, BasisKind basis = BasisKind::bell) {
+  SyntheticLuminaire small = test::small_luminaire();
+  small.basis = basis;
+  small.spacing_mm = 8;
+  small.pixels = 40;
+  small.pixel_mm = 2;
+  small.seed = 5;
+  return make_luminaire(small, channels);
+}
+
+struct Case {
+  const char* name;
+  Receiver receiver;
+};
+const Vec3 towards = Vec3(0.2, -0.1, -1).normalized();
+const Case beyond{"beyond S", {{6, -4, 140}, towards}};
+const Case near_s{"near S", {{3, -2, 66}, towards}};
+const Case on_s{"on S", {{3, -2, 60}, towards}};
+const Case between{"between the planes", {{2, 1, 25}, towards}};
+const Case grazing{"grazing", {{6, -4, 140}, Vec3(0.97, 0.2, -0.03).normalized()}};
+
+/// Mirrors the middle of the lamp.
+Look shining(const Receiver& receiver, int kind, float shape, float green = 0.5F) {
+  const Vec3 to_light = -receiver.p_mm.normalized(), eye = 2 * receiver.n.dot(to_light) * receiver.n - to_light;
+  const Eigen::Vector3f o = eye.cast<float>();
+  Look look;
+  look.lobe = {o.x(), o.y(), o.z(), shape, 0.5F, green, 0.5F, kind};
+  return look;
+}
+
+/// Of the irradiance, or the radiance by gloss.
+double exact(const LightField& field, const Receiver& receiver, const Look& look, std::size_t value) {
+  return make_host_method(field, {.method = Method::reference}).value()->light(receiver, 0, look).value()[value];
+}
+
+/// Mean and RMS error over seeds of one value.
+struct Runs {
+  double mean = 0, error = 0, rms = 0;
+};
+Runs runs(const LightField& field, MethodSettings settings, const Receiver& receiver, const Look& look,
+          std::size_t value, double reference, int seeds) {
+  Runs all;
+  double squares = 0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    settings.seed = static_cast<std::uint32_t>(seed);
+    const double e = make_host_method(field, settings).value()->light(receiver, 17, look).value()[value];
+    all.mean += e / seeds;
+    squares += e * e / seeds;
+    all.rms += (e - reference) * (e - reference) / seeds;
+  }
+  all.error = std::sqrt(std::max(squares - all.mean * all.mean, 0.0) / (seeds - 1));
+  all.rms = std::sqrt(all.rms);
+  return all;
+}
+
+TEST(RayLight, IntegratesToTheClosedForm) {
+  for (const BasisKind basis : {BasisKind::box, BasisKind::tent, BasisKind::bell, BasisKind::bspline2}) {
+    const LightField field = small_luminaire(3, basis);
+    const RayLight rays(field, false);
+    for (const Case& c : {beyond, near_s, on_s, between}) {
+      const ReceiverView view(field.geometry(), rays.basis(), c.receiver);
+      std::vector<double> e(3, 0.0);
+      const auto fine = [](const Vec3&) { return 0.05; };
+      over_seen_tiles(view, fine, [&](const Vec2& u, const Vec3& direction, double solid_angle) {
+        const std::vector<double> light = rays.radiance(view, u, 0);
+        for (std::size_t k = 0; k < 3; ++k) e[k] += light[k] * std::max(c.receiver.n.dot(direction), 0.0) * solid_angle;
+      });
+      const std::vector<double> wanted = ClosedForm(field).irradiance(c.receiver);
+      for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(e[k], wanted[k], 2e-4 * wanted[k]) << c.name;
+    }
+  }
+}
+
+TEST(RayLight, AveragedOverAFootprintKeepsTheLight) {
+  // Of even cells: whatever the footprint, all rays to a receiver have the same light together.
+  LightField field = small_luminaire();
+  const LuminaireGeometry g = field.geometry();
+  for (int k = 0; k < g.sampling.cells(); ++k) {
+    CellImage even = *field.cell(g.sampling.index(k));
+    std::ranges::fill(even.value, 1.0F + static_cast<float>(k % 3));
+    ASSERT_TRUE(field.add(g.sampling.index(k), std::move(even)));
+  }
+  const RayLight rays(field, true);
+  for (const Vec3& p : {Vec3(0, 0, 1e6), Vec3(30, 20, 150)}) {
+    const ReceiverView view(g, rays.basis(), {p, {0, 0, -1}});
+    const auto all = [&](double width) {
+      double sum = 0;
+      for (double x = -150.25; x < 151; x += 0.5)
+        for (double y = -150.25; y < 151; y += 0.5) {
+          const double slant2 = 1 + (Vec2(x, y) - p.head<2>()).squaredNorm() / (p.z() * p.z());
+          sum += rays.radiance(view, {x, y}, width)[0] * std::pow(slant2, -1.5);
+        }
+      return sum;
+    };
+    const double exactly = all(0);
+    EXPECT_GT(exactly, 0);
+    for (const double width : {3.0, 7.9, 8.1, 12.0, 30.0, 60.0})
+      EXPECT_NEAR(all(width), exactly, 0.01 * exactly) << width << " at " << p.z();
+  }
+}
+
+TEST(FilteredBrdf, UnfilteredIsUnbiased) {
+  const LightField field = small_luminaire();
+  for (const Case& c : {beyond, near_s, on_s, between, grazing}) {
+    const Runs all =
+        runs(field, {.method = Method::filtered_brdf, .samples = 40, .filter = false}, c.receiver, {}, 0, 0, 1500);
+    const double reference = exact(field, c.receiver, {}, 0);
+    EXPECT_LT(std::abs(all.mean - reference), 3.5 * all.error) << c.name << ' ' << reference;
+    EXPECT_LT(all.error, 0.2 * reference) << c.name << ": else nothing is tested";
+  }
+}
+
+TEST(FilteredBrdf, UnfilteredShinesAsTheReferenceDoes) {
+  const LightField field = small_luminaire();
+  for (const Case& c : {beyond, near_s, between})
+    for (const auto& [kind, shape] : {std::pair(LOBE_PHONG, 50.0F), {LOBE_GGX, 0.09F}, {LOBE_GGX, 0.5F}}) {
+      const Look look = shining(c.receiver, kind, shape);
+      const Runs all =
+          runs(field, {.method = Method::filtered_brdf, .samples = 40, .filter = false}, c.receiver, look, 1, 0, 1000);
+      const double reference = exact(field, c.receiver, look, 1);
+      EXPECT_LT(std::abs(all.mean - reference), 3.5 * all.error + 1e-3 * reference)
+          << c.name << ' ' << kind << ' ' << shape;
+      EXPECT_LT(all.error, 0.05 * reference) << c.name << ' ' << kind << ' ' << shape;
+    }
+}
+
+TEST(FilteredBrdf, UnfilteredIsAsFarOffAsItStates) {
+  const LightField field = small_luminaire();
+  constexpr int seeds = 400;
+  constexpr double samples = 100;
+  for (const Case& c : {beyond, near_s, between})
+    for (const auto& [kind, shape] : {std::pair(LOBE_NONE, 0.0F), {LOBE_PHONG, 20.0F}, {LOBE_GGX, 0.2F}}) {
+      const Look look = kind == LOBE_NONE ? Look{} : shining(c.receiver, kind, shape);
+      const std::size_t value = kind == LOBE_NONE ? 0 : 1;
+      MethodSettings settings{
+          .method = Method::filtered_brdf, .samples = samples, .sequence = PointSequence::twister, .filter = false};
+      const double reference = exact(field, c.receiver, look, value);
+      const Runs all = runs(field, settings, c.receiver, look, value, reference, seeds);
+      const double stated =
+          make_host_method(field, settings).value()->estimate(c.receiver, 17, look).value().stated_error[value];
+      // The mean's square is all that independent samples do better.
+      const double deviation = std::sqrt(stated * stated - reference * reference / samples);
+      EXPECT_GT(all.rms, test::deviation_bound(seeds, -1) * deviation) << c.name << ' ' << kind;
+      EXPECT_LT(all.rms, test::deviation_bound(seeds, 1) * deviation) << c.name << ' ' << kind;
+      settings.sequence = PointSequence::halton;
+      EXPECT_LT(runs(field, settings, c.receiver, look, value, reference, 100).rms, all.rms) << c.name << ' ' << kind;
+    }
+}
+
+TEST(FilteredBrdf, FilteredIsNearerThanPlainAndAsFarOffAsItStates) {
+  const LightField field = small_luminaire();
+  for (const Case& c : {beyond, near_s, between})
+    for (const auto& [kind, shape] : {std::pair(LOBE_NONE, 0.0F), {LOBE_PHONG, 50.0F}, {LOBE_GGX, 0.09F}})
+      for (const double samples : {10.0, 40.0, 200.0}) {
+        const Look look = kind == LOBE_NONE ? Look{} : shining(c.receiver, kind, shape);
+        const std::size_t value = kind == LOBE_NONE ? 0 : 1;
+        const double reference = exact(field, c.receiver, look, value);
+        MethodSettings settings{.method = Method::filtered_brdf, .samples = samples};
+        const Runs filtered = runs(field, settings, c.receiver, look, value, reference, 100);
+        const double stated =
+            make_host_method(field, settings).value()->estimate(c.receiver, 17, look).value().stated_error[value];
+        settings.filter = false;
+        const Runs plain = runs(field, settings, c.receiver, look, value, reference, 100);
+        EXPECT_LT(filtered.rms, stated) << c.name << ' ' << kind << ' ' << samples;
+        // Of a lobe that the lamp fills few samples are few enough; elsewhere averages win.
+        EXPECT_LT(filtered.rms, (kind == LOBE_NONE ? 0.9 : 1.25) * plain.rms)
+            << c.name << ' ' << kind << ' ' << samples;
+      }
+}
+
+TEST(FilteredBrdf, BiasOfTheFilterFallsWithTheSamples) {
+  const LightField field = small_luminaire();
+  for (const Case& c : {beyond, near_s, on_s, between})
+    for (const auto& [kind, shape] : {std::pair(LOBE_NONE, 0.0F), {LOBE_PHONG, 50.0F}, {LOBE_GGX, 0.09F}}) {
+      const Look look = kind == LOBE_NONE ? Look{} : shining(c.receiver, kind, shape);
+      const std::size_t value = kind == LOBE_NONE ? 0 : 1;
+      const double reference = exact(field, c.receiver, look, value);
+      const Runs all =
+          runs(field, {.method = Method::filtered_brdf, .samples = 20000}, c.receiver, look, value, reference, 10);
+      EXPECT_LT(std::abs(all.mean - reference), 3.5 * all.error + 5e-3 * reference) << c.name << ' ' << kind;
+    }
+}
+
+TEST(FilteredBrdf, OfAnEyeBelowTheSurfaceOrALuminaireWithoutCellsIsDark) {
+  const LightField field = small_luminaire();
+  Look look = shining(beyond.receiver, LOBE_GGX, 0.1F);
+  look.lobe.eye_z = -look.lobe.eye_z;
+  const auto form = make_host_method(field, {.method = Method::filtered_brdf}).value();
+  const std::vector<double> values = form->light(beyond.receiver, 0, look).value();
+  EXPECT_GT(values[0], 0);
+  EXPECT_EQ(values[1], 0);
+  const LightField none(field.geometry());
+  const Estimate dark =
+      make_host_method(none, {.method = Method::filtered_brdf}).value()->estimate(beyond.receiver, 0, look).value();
+  EXPECT_EQ(dark.irradiance, std::vector<double>(2, 0.0));
+  EXPECT_EQ(dark.stated_error, std::vector<double>(2, 0.0));
+}
+
+}  // namespace
+}  // namespace lumifield
