@@ -115,6 +115,7 @@ Result<Scene> parse_scene(std::string_view json, std::string_view name, const st
   for (const JsonValue& each : root["luminaires"].elements(0, most_luminaires))
     scene.luminaires.push_back({each["pose"].rigid_pose(), each["scale"].number_or(1, not_negative)});
   if (root["environment"].present()) scene.environment = read_path(root["environment"], folder);
+  if (root["environment_scale"].present()) scene.environment_scale = root["environment_scale"].number(not_negative);
   if (Status ok = document->finish(notes); !ok) return tl::unexpected(ok.error());
   return scene;
 }
@@ -140,6 +141,7 @@ Result<std::string> to_json(const Scene& scene, const std::filesystem::path& fol
     if (!environment) return tl::unexpected(environment.error());
     json["environment"] = *environment;
   }
+  if (scene.environment_scale != 1) json["environment_scale"] = scene.environment_scale;
   std::string text = json_file_text(json);
   if (const Result<Scene> read = parse_scene(text, "scene", folder); !read) return tl::unexpected(read.error());
   return text;

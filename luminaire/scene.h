@@ -43,7 +43,8 @@ struct Scene {
   std::map<std::string, MaterialOverride> materials;
   SceneCamera camera;
   std::vector<ScenePlacement> luminaires;
-  std::optional<std::filesystem::path> environment;  ///< OpenEXR, latitude-longitude
+  std::optional<std::filesystem::path> environment;  ///< OpenEXR, latitude-longitude (renderer/environment/lat_long.h)
+  double environment_scale = 1;                      ///< radiance in the luminaire's unit of one unit of the image
 };
 
 /// Defaults taken for absent members, and members that are not known, are told in `notes`, one text each.

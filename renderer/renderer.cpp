@@ -46,8 +46,14 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
   if (!opencl) impl->no_opencl = opencl.error();
   impl->info = {(*context)->description(), opencl.value_or(""), std::move(mesh->notes)};
   if (!opencl) impl->info.notes.push_back("without OpenCL: " + opencl.error().message());
-  impl->info.notes.push_back("left out: " + left_out(impl->visibility));
-  if (scene.environment) impl->info.notes.emplace_back("left out: the environment");
+  if (scene.environment) {
+    auto environment = EnvironmentLight::read(*scene.environment, scene.environment_scale);
+    if (!environment) return tl::unexpected(environment.error());
+    impl->environment = std::move(*environment);
+    impl->environment_on = true;
+    impl->info.has_environment = true;
+  }
+  impl->info.notes.push_back("left out: " + left_out(impl->visibility, impl->environment_on));
   impl->materials = std::move(mesh->materials);
   mesh->textures.clear();  // the pass has its own
   impl->shadows = std::make_unique<SceneShadows>(**context, std::move(*mesh));
@@ -97,6 +103,7 @@ Status Renderer::set_view(const SceneCamera& camera, int width_px, int height_px
   if (!gbuffer) return tl::unexpected(gbuffer.error());
   impl_->gbuffer = std::move(*gbuffer);
   impl_->eye_mm = camera.position_mm;
+  impl_->environment_pixels = 0;
   impl_->lod = lod;
   impl_->clear();
   return {};
@@ -117,6 +124,16 @@ Status Renderer::set_visibility(Visibility visibility) {
 }
 
 Visibility Renderer::visibility() const { return impl_->visibility; }
+
+Status Renderer::set_environment(bool on) {
+  if (on && !impl_->environment) return fail("the scene has none", "environment", "name one in the scene file");
+  impl_->environment_on = on;
+  return {};
+}
+
+bool Renderer::environment() const { return impl_->environment_on; }
+
+bool Renderer::surround(double seconds) { return impl_->surround(seconds); }
 
 void Renderer::refresh_shadows() {
   impl_->shadows->forget_positions();
@@ -185,9 +202,12 @@ Result<Picture> Renderer::picture_so_far() {
       return tl::unexpected(read.error());
   const std::size_t pixels = impl_->gbuffer.position.size() / 4;
   Picture picture{impl_->gbuffer.width_px, impl_->gbuffer.height_px, std::vector<float>(3 * pixels),
-                  std::vector<float>(pixels), left_out(impl_->visibility)};
+                  std::vector<float>(pixels), left_out(impl_->visibility, impl_->environment_on)};
+  impl_->surround(HUGE_VAL);
   shade(impl_->gbuffer, impl_->materials, impl_->placements,
-        {impl_->irradiance, impl_->geometry->channels.size(), impl_->gloss, impl_->gloss_channels}, picture);
+        {impl_->irradiance, impl_->geometry->channels.size(), impl_->gloss, impl_->gloss_channels},
+        impl_->environment_on ? std::span<const float>(impl_->environment_radiance) : std::span<const float>(),
+        picture);
   return picture;
 }
 

@@ -17,6 +17,7 @@ struct RendererInfo {
   std::string opengl;              ///< renderer and version
   std::string opencl;              ///< device; empty where there is none
   std::vector<std::string> notes;  ///< what the picture does not show of the scene
+  bool has_environment = false;    ///< the scene names one
 };
 
 /// The live picture: a scene lit by the part of a luminaire that is measured. Thread-bound to the render thread, which
@@ -28,8 +29,8 @@ struct RendererInfo {
 /// held up hands a view over, sums in slices (sum_some) and asks for a picture when none waits.
 class Renderer {
  public:
-  /// Errors: no EGL context, the mesh's, a scene without a luminaire or with a pose that is not
-  /// rigid.
+  /// Errors: no EGL context, the mesh's, the environment's (LatLong::read), a scene without a luminaire or with a pose
+  /// that is not rigid.
   static Result<std::unique_ptr<Renderer>> create(const Scene& scene, int width_px, int height_px);
   ~Renderer();
 
@@ -46,6 +47,13 @@ class Renderer {
   /// luminaire moves; a view with a level of detail has coarse ones where they are to be made.
   Status set_visibility(Visibility visibility);
   Visibility visibility() const;
+  /// Whether the scene's environment lights it, under any method: it does where the scene names one. The sums stay.
+  /// Errors: a scene without one, switched on.
+  Status set_environment(bool on);
+  bool environment() const;
+  /// Computes its light in this view, some pixels at least and no longer than `seconds`, where it is on: true when all
+  /// have it. A picture does what is left.
+  bool surround(double seconds);
   /// Published shadows stand where the first cells of each tile had their light: from now on where all have it. All
   /// cells wait.
   void refresh_shadows();

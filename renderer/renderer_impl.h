@@ -27,7 +27,11 @@ struct Renderer::Impl {
   std::vector<ScenePlacement> placements;
   RendererInfo info;
   GBuffer gbuffer;
-  Vec3 eye_mm{0, 0, 0};  ///< that sees it
+  Vec3 eye_mm{0, 0, 0};                           ///< that sees it
+  std::unique_ptr<EnvironmentLight> environment;  ///< the scene's, or null
+  bool environment_on = false;
+  std::vector<float> environment_radiance;  ///< in this view, R G B by pixel
+  std::size_t environment_pixels = 0;       ///< the first so many have it
   double lod = 0;
 
   std::optional<LuminaireGeometry> geometry;
@@ -53,6 +57,7 @@ struct Renderer::Impl {
   double receivers() const {
     return static_cast<double>(gbuffer.position.size()) / 4 * static_cast<double>(placements.size());
   }
+  bool surround(double seconds);
   void clear();
   Status hand_over();
   Status see(const Receivers& seen, Appearance& appearance);

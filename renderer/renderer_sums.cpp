@@ -9,6 +9,21 @@
 
 namespace lumifield {
 
+bool Renderer::Impl::surround(double seconds) {
+  constexpr std::size_t band = 4096;  // some 10 ms of gloss
+  if (!environment_on) return true;
+  const auto start = std::chrono::steady_clock::now();
+  const std::size_t pixels = gbuffer.position.size() / 4;
+  environment_radiance.resize(3 * pixels);
+  while (environment_pixels < pixels) {
+    const std::size_t end = std::min(environment_pixels + band, pixels);
+    shade_by_environment(gbuffer, materials, *environment, eye_mm, environment_pixels, end, environment_radiance);
+    environment_pixels = end;
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >= seconds) break;
+  }
+  return environment_pixels == pixels;
+}
+
 /// All cells wait.
 void Renderer::Impl::clear() {
   handed_over = false;

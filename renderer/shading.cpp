@@ -42,10 +42,20 @@ std::vector<Receiver> as_receivers(const Receivers& seen) {
   return receivers;
 }
 
-std::string left_out(Visibility visibility) {
-  const std::string indirect = "light from surface to surface";
-  return visibility == Visibility::none ? "shadows, and " + indirect : indirect;
+std::string left_out(Visibility visibility, bool environment) {
+  const std::string indirect =
+      std::string(environment ? "what hides the environment, and " : "") + "light from surface to surface";
+  return visibility == Visibility::none ? "shadows, " + std::string(environment ? "" : "and ") + indirect : indirect;
 }
+
+namespace {
+
+GlossLobe lobe_of(const Material& m, const Vec3& to_eye) {
+  const Eigen::Vector3f eye = to_eye.cast<float>();
+  return {eye.x(), eye.y(), eye.z(), m.shape, m.specular[0], m.specular[1], m.specular[2], m.lobe};
+}
+
+}  // namespace
 
 std::vector<GlossLobe> lobes_of(const GBuffer& gbuffer, const std::vector<Material>& materials,
                                 const std::vector<ScenePlacement>& placements, const Vec3& eye_mm) {
@@ -66,10 +76,7 @@ std::vector<GlossLobe> lobes_of(const GBuffer& gbuffer, const std::vector<Materi
       for (std::size_t k = std::max(begin, first); k < end; ++k) {
         if (!glossy(k)) continue;
         const Eigen::Map<const Eigen::Vector3f> p(&gbuffer.position[4 * k]);
-        const Eigen::Vector3f eye = (to_luminaire * (eye_mm - p.cast<double>())).normalized().cast<float>();
-        const Material& m = material_at(k);
-        lobes[l * pixels + k] = {eye.x(),       eye.y(),       eye.z(),       m.shape,
-                                 m.specular[0], m.specular[1], m.specular[2], m.lobe};
+        lobes[l * pixels + k] = lobe_of(material_at(k), (to_luminaire * (eye_mm - p.cast<double>())).normalized());
       }
     });
   }
@@ -77,6 +84,11 @@ std::vector<GlossLobe> lobes_of(const GBuffer& gbuffer, const std::vector<Materi
 }
 
 namespace {
+
+const float* diffuse_at(const GBuffer& gbuffer, const std::vector<Material>& materials, std::size_t pixel) {
+  return gbuffer.reflectance.empty() ? materials[static_cast<std::size_t>(gbuffer.normal[4 * pixel + 3])].diffuse.data()
+                                     : &gbuffer.reflectance[4 * pixel];
+}
 
 /// Σ scale·values over the placements, in R, G and B.
 std::array<double, 3> sum_of(std::span<const double> values, std::size_t channels, std::size_t pixel,
@@ -92,7 +104,8 @@ std::array<double, 3> sum_of(std::span<const double> values, std::size_t channel
 }  // namespace
 
 void shade(const GBuffer& gbuffer, const std::vector<Material>& materials,
-           const std::vector<ScenePlacement>& placements, const Received& received, Picture& picture) {
+           const std::vector<ScenePlacement>& placements, const Received& received, std::span<const float> environment,
+           Picture& picture) {
   const std::size_t pixels = picture.coverage.size();
   in_bands(pixels, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -102,11 +115,33 @@ void shade(const GBuffer& gbuffer, const std::vector<Material>& materials,
         e = sum_of(received.irradiance, received.channels, i, pixels, placements);
         g = sum_of(received.gloss, received.gloss_channels, i, pixels, placements);
       }
-      const float* diffuse = gbuffer.reflectance.empty()
-                                 ? materials[static_cast<std::size_t>(gbuffer.normal[4 * i + 3])].diffuse.data()
-                                 : &gbuffer.reflectance[4 * i];
+      const float* diffuse = diffuse_at(gbuffer, materials, i);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double around = environment.empty() ? 0 : environment[3 * i + c];
+        picture.rgb[3 * i + c] = static_cast<float>(diffuse[c] * std::numbers::inv_pi * e[c] + g[c] + around);
+      }
+    }
+  });
+}
+
+void shade_by_environment(const GBuffer& gbuffer, const std::vector<Material>& materials,
+                          const EnvironmentLight& environment, const Vec3& eye_mm, std::size_t begin, std::size_t end,
+                          std::span<float> radiance) {
+  in_bands(end - begin, [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = begin + from; i < begin + to; ++i) {
+      if (gbuffer.position[4 * i + 3] == 0) {
+        for (std::size_t c = 0; c < 3; ++c) radiance[3 * i + c] = 0;
+        continue;
+      }
+      const Vec3 p = Eigen::Map<const Eigen::Vector3f>(&gbuffer.position[4 * i]).cast<double>();
+      const Vec3 n = Eigen::Map<const Eigen::Vector3f>(&gbuffer.normal[4 * i]).cast<double>();
+      const Material& material = materials[static_cast<std::size_t>(gbuffer.normal[4 * i + 3])];
+      const float* diffuse = diffuse_at(gbuffer, materials, i);
+      const auto e = environment.irradiance(n);
+      std::array<double, 3> g{};
+      if (material.lobe != LOBE_NONE) g = environment.gloss(lobe_of(material, (eye_mm - p).normalized()), n);
       for (std::size_t c = 0; c < 3; ++c)
-        picture.rgb[3 * i + c] = static_cast<float>(diffuse[c] * std::numbers::inv_pi * e[c] + g[c]);
+        radiance[3 * i + c] = static_cast<float>(diffuse[c] * std::numbers::inv_pi * e[c] + g[c]);
     }
   });
 }

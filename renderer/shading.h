@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "luminaire/scene.h"
+#include "renderer/environment/environment_light.h"
 #include "renderer/methods/gloss_shared.h"
 #include "renderer/methods/receiver.h"
 #include "renderer/opengl/gbuffer.h"
@@ -23,8 +24,8 @@ Receivers receivers_of(const GBuffer& gbuffer, const std::vector<ScenePlacement>
 /// As methods take them.
 std::vector<Receiver> as_receivers(const Receivers& seen);
 
-/// What a picture leaves out of the light, for people.
-std::string left_out(Visibility visibility);
+/// What a picture leaves out of the light, for people. environment: it shows one's light.
+std::string left_out(Visibility visibility, bool environment = false);
 
 /// The lobes of those receivers, in their order; LOBE_NONE for background and diffuse surfaces. Empty when no surface
 /// in sight is glossy. eye_mm: scene frame.
@@ -41,8 +42,16 @@ struct Received {
 };
 
 /// radiance = reflectance/π · Σ scale·E + Σ scale·G, E and G taken as float; the reflectance is the G-buffer's, or
-/// without the materials'. Fills rgb and coverage of a picture of the G-buffer's size.
+/// without the materials'. `environment`: radiance of its light, R G B by pixel, added; empty where there is none.
+/// Fills rgb and coverage of a picture of the G-buffer's size.
 void shade(const GBuffer& gbuffer, const std::vector<Material>& materials,
-           const std::vector<ScenePlacement>& placements, const Received& received, Picture& picture);
+           const std::vector<ScenePlacement>& placements, const Received& received, std::span<const float> environment,
+           Picture& picture);
+
+/// Radiance of an environment's light that surfaces reflect to the eye, R G B of the pixels begin … end − 1 of all; 0
+/// for background.
+void shade_by_environment(const GBuffer& gbuffer, const std::vector<Material>& materials,
+                          const EnvironmentLight& environment, const Vec3& eye_mm, std::size_t begin, std::size_t end,
+                          std::span<float> radiance);
 
 }  // namespace lumifield

@@ -28,6 +28,7 @@ int run_scan(const ScanOptions& options);
 
 struct RenderOptions {
   std::string luminaire, scene, method = "closed-form", filter = "on", shadows = "tile", size = "1024x768", out;
+  std::string environment;  ///< "on", "off"; empty: on where the scene names one
   double exposure = default_exposure, white = 0;
   double lod = 0;      ///< pixels per support and axis, 0 exact
   double samples = 0;  ///< K for each receiver, or lights in all; 0: the method's usual

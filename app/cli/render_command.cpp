@@ -24,6 +24,9 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   if (!size) return tl::unexpected(size.error());
   auto scene = read_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
+  if (options.environment == "on" && !scene->environment)
+    return fail("it names no environment", options.scene, "name one (\"environment\"), or leave --environment out");
+  if (options.environment == "off") scene->environment.reset();  // so that it is not read
   auto dataset = read_dataset(options.luminaire);
   if (!dataset) return tl::unexpected(dataset.error());
   for (const std::string& note : dataset->index.notes) std::fprintf(stderr, "lumifield: note: %s\n", note.c_str());
@@ -49,6 +52,7 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   nlohmann::ordered_json summary{{"out", options.out}};
   summary.update(method_summary(method_settings(options)));
   summary.update(nlohmann::ordered_json{{"shadows", options.shadows},
+                                        {"environment", (*renderer)->environment() ? "on" : "off"},
                                         {"width_px", size->first},
                                         {"height_px", size->second},
                                         {"cells", coverage.measured},

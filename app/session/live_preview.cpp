@@ -126,6 +126,10 @@ void LivePreview::set_visibility(Visibility visibility) {
   impl_->command([&](PreviewCommands& commands) { commands.visibility = visibility; });
 }
 
+void LivePreview::set_environment(bool on) {
+  impl_->command([&](PreviewCommands& commands) { commands.environment = on; });
+}
+
 void LivePreview::refresh_shadows() {
   impl_->command([&](PreviewCommands& commands) { commands.refresh_shadows = true; });
 }

@@ -30,6 +30,7 @@ struct PreviewFrame {
   std::vector<ScenePlacement> placements;  ///< of the luminaire
   MethodSettings method;                   ///< that computed the light
   Visibility visibility = Visibility::tile;
+  bool environment = false;     ///< its light is in the picture
   double scale_top = 0;         ///< luminance at the false-colour scale's end, dataset's unit
   double average = 0;           ///< L̄ that the tone curve took
   int cells = 0, total = 0;     ///< in the picture, and of the grid
@@ -97,6 +98,8 @@ class LivePreview {
   void set_method(const MethodSettings& method);
   /// What casts shadows, each tile by itself until then.
   void set_visibility(Visibility visibility);
+  /// Whether a scene's environment lights it; it does until then where a scene has one.
+  void set_environment(bool on);
   /// Published shadows stand where the cells of now have their light.
   void refresh_shadows();
   void set_scan_running(bool running);

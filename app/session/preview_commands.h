@@ -32,12 +32,13 @@ struct PreviewCommands {
   std::optional<PreviewLook> look;
   std::optional<MethodSettings> method;
   std::optional<Visibility> visibility;
+  std::optional<bool> environment;
   bool refresh_shadows = false;
   std::optional<bool> scan_running;
 
   bool any() const {
     return scene || luminaire || !cells.empty() || !refused.empty() || camera || placements || moving || size_px ||
-           look || method || visibility || refresh_shadows || scan_running;
+           look || method || visibility || environment || refresh_shadows || scan_running;
   }
 };
 

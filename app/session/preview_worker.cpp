@@ -27,6 +27,7 @@ void PreviewWorker::take(PreviewCommands commands) {
   if (commands.scene) take_scene(*commands.scene);
   if (commands.method) take_method(*commands.method);
   if (commands.visibility) take_visibility(*commands.visibility);
+  if (commands.environment) take_environment(*commands.environment);
   if (commands.refresh_shadows && renderer_) {
     renderer_->refresh_shadows();
     view_changed_ = true;
@@ -69,6 +70,7 @@ void PreviewWorker::take_scene(const Scene& scene) {
     report(set.error());
   }
   if (const Status set = renderer_->set_visibility(visibility_); !set) report(set.error());
+  take_environment(environment_);
   if (callbacks_.ready) callbacks_.ready(renderer_->info());
   if (geometry_) light();
 }
@@ -99,6 +101,14 @@ void PreviewWorker::take_visibility(Visibility visibility) {
     if (const Status set = renderer_->set_visibility(visibility); !set) return report(set.error());
   visibility_ = visibility;
   begin_anew();
+}
+
+/// The sums stay: the same picture is shown with or without it.
+void PreviewWorker::take_environment(bool on) {
+  environment_ = on;
+  if (!renderer_ || !renderer_->info().has_environment) return;
+  if (const Status set = renderer_->set_environment(on); !set) return report(set.error());
+  if (drawn_ && handed_over_) dirty_ = true;
 }
 
 /// With the picture, at costs that are not known.

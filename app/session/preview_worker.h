@@ -48,6 +48,7 @@ class PreviewWorker {
   void let_in();
   void take_method(const MethodSettings& method);
   void take_visibility(Visibility visibility);
+  void take_environment(bool on);
   void begin_anew();
   void report(const Error& error);
 
@@ -60,6 +61,7 @@ class PreviewWorker {
   bool caught_up() const { return renderer_->waiting() == 0 || caught_up_; }
   void draw(PreviewDetail detail);
   void hand_over();
+  bool surround();
   void sum();
   void show();
   void show_again();
@@ -83,6 +85,7 @@ class PreviewWorker {
   PreviewLook look_;
   MethodSettings method_;
   Visibility visibility_ = Visibility::tile;
+  bool environment_ = true;
 
   // What there is.
   std::unique_ptr<Renderer> renderer_;
@@ -103,6 +106,7 @@ class PreviewWorker {
   std::map<CellIndex, Clock::time_point> fresh_;  ///< in no frame yet: when handed in
   double unlearned_s_ = 0;                        ///< spent on cells that wait all the same
   double draw_s_ = 0, sum_s_ = 0;                 ///< since the last frame
+  double surround_s_ = 0;                         ///< of these, spent on the environment
   double coarse_took_s_ = 0;                      ///< the last coarse picture, all in all
   double worked_s_ = 0;                           ///< since the last rest
   bool framed_ = false;                           ///< this step handed one out

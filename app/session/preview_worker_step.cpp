@@ -68,6 +68,7 @@ PreviewWorker::Next PreviewWorker::work() {
     hand_over();
     return {{}, Clock::now()};
   }
+  if (!surround()) return {{}, Clock::now()};
   const bool waits = renderer_->waiting() > 0;
   const bool refresh =
       waits && dirty_ && !hasty_ && caught_up_ && sum_s_ > 0 && now >= last_frame_at_ + seconds(refresh_s);
@@ -130,7 +131,7 @@ void PreviewWorker::draw(PreviewDetail detail) {
   dirty_ = true;
   burst_ = 0;
   handed_over_ = false;
-  unlearned_s_ = 0;
+  unlearned_s_ = surround_s_ = 0;
   draw_s_ = seconds_since(start);
   if (hasty_) hand_over();
 }
@@ -142,6 +143,17 @@ void PreviewWorker::hand_over() {
   draw_s_ += seconds_since(start);
   if (!drawn_->full()) coarse_took_s_ = draw_s_;
   costs_.drawn(*drawn_, drawn_view_.pixels() / (drawn_->divisor * drawn_->divisor), draw_s_);
+}
+
+/// True when the view has the environment's light.
+bool PreviewWorker::surround() {
+  const Clock::time_point start = Clock::now();
+  const bool all = renderer_->surround(hasty_ ? hasty_slices * pace_.slice : pace_.slice);
+  const double took_s = seconds_since(start);
+  surround_s_ += took_s;
+  draw_s_ += took_s;
+  if (!drawn_->full()) coarse_took_s_ += took_s;
+  return all;
 }
 
 void PreviewWorker::sum() {
@@ -173,6 +185,7 @@ void PreviewWorker::show() {
   frame.placements = drawn_view_.placements;
   frame.method = method_;
   frame.visibility = visibility_;
+  frame.environment = renderer_->environment();
   frame.cells = renderer_->summed();
   frame.total = geometry_->sampling.cells();
   frame.measured = static_cast<int>(cells_.size());
@@ -192,7 +205,7 @@ void PreviewWorker::show() {
   const PreviewDetail detail = *drawn_;
   hand_out(std::move(frame), start);
   const double pixels = drawn_view_.pixels() / (detail.divisor * detail.divisor);
-  costs_.shown(detail, pixels, last_->show_s);
+  costs_.shown(detail, pixels, last_->show_s + std::exchange(surround_s_, 0));
   if (!detail.full()) coarse_took_s_ += last_->show_s;
   if (!holds_cells()) let_in();
 }

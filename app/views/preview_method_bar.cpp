@@ -1,5 +1,6 @@
 #include "app/views/preview_method_bar.h"
 
+#include <QCheckBox>
 #include <QComboBox>
 #include <QHBoxLayout>
 #include <QLabel>
@@ -36,11 +37,17 @@ PreviewMethodBar::PreviewMethodBar(QWidget* parent)
       methods_(new QComboBox(this)),
       samples_(new QSpinBox(this)),
       shadows_(new QComboBox(this)),
-      refresh_(new QToolButton(this)) {
+      refresh_(new QToolButton(this)),
+      environment_(new QCheckBox(tr("Environment"), this)) {
   auto* row = new QHBoxLayout(this);
   row->setContentsMargins(0, 0, 0, 0);
   add_methods(row);
   add_shadows(row);
+  environment_->setChecked(true);
+  environment_->setToolTip(tr("Whether the lab around the lamp lights the scene: the environment that the scene names"));
+  environment_->hide();
+  row->addWidget(environment_);
+  connect(environment_, &QCheckBox::toggled, this, &PreviewMethodBar::environmentSwitched);
   row->addStretch(1);
   choose(Method::closed_form);
 }
@@ -102,6 +109,10 @@ void PreviewMethodBar::add_shadows(QHBoxLayout* row) {
 }
 
 Visibility PreviewMethodBar::visibility() const { return static_cast<Visibility>(shadows_->currentData().toInt()); }
+
+bool PreviewMethodBar::environment() const { return environment_->isChecked(); }
+
+void PreviewMethodBar::offer_environment(bool offered) { environment_->setVisible(offered); }
 
 void PreviewMethodBar::choose(Method chosen) {
   const MethodCost cost = info(chosen).cost;

@@ -5,6 +5,7 @@
 #include "renderer/methods/method.h"
 #include "renderer/visibility/visibility.h"
 
+class QCheckBox;
 class QComboBox;
 class QHBoxLayout;
 class QSpinBox;
@@ -12,8 +13,8 @@ class QToolButton;
 
 namespace lumifield {
 
-/// How the preview's light is computed, by how many samples where the method draws any, and what casts shadows. The
-/// reference is not offered: a picture of it takes minutes. GUI thread.
+/// How the preview's light is computed, by how many samples where the method draws any, what casts shadows, and whether
+/// the scene's environment lights it. The reference is not offered: a picture of it takes minutes. GUI thread.
 class PreviewMethodBar : public QWidget {
   Q_OBJECT
 
@@ -22,10 +23,14 @@ class PreviewMethodBar : public QWidget {
 
   const MethodSettings& method() const { return method_; }
   Visibility visibility() const;
+  bool environment() const;
+  /// A scene without an environment is not asked about it.
+  void offer_environment(bool offered);
 
  signals:
   void methodChanged(const lumifield::MethodSettings& method);
   void visibilityChanged(lumifield::Visibility visibility);
+  void environmentSwitched(bool on);
   /// Published shadows are to stand where the cells of now have their light.
   void shadowsToBeRefreshed();
 
@@ -41,6 +46,7 @@ class PreviewMethodBar : public QWidget {
   QSpinBox* samples_;
   QComboBox* shadows_;
   QToolButton* refresh_;
+  QCheckBox* environment_;
 };
 
 }  // namespace lumifield

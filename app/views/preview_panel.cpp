@@ -126,9 +126,11 @@ void PreviewPanel::connect_to(PreviewInbox& inbox, LivePreview& live) {
   live.set_look(look_->look());
   connect(method_, &PreviewMethodBar::visibilityChanged, &inbox,
           [&live](Visibility visibility) { live.set_visibility(visibility); });
+  connect(method_, &PreviewMethodBar::environmentSwitched, &inbox, [&live](bool on) { live.set_environment(on); });
   connect(method_, &PreviewMethodBar::shadowsToBeRefreshed, &inbox, [&live] { live.refresh_shadows(); });
   live.set_method(method_->method());
   live.set_visibility(method_->visibility());
+  live.set_environment(method_->environment());
   if (const QSize& size = view_->wanted_size(); !size.isEmpty()) live.set_size(size.width(), size.height());
 }
 
@@ -170,6 +172,7 @@ LampArrangement& PreviewPanel::lamps() { return view_->lamps(); }
 void PreviewPanel::show_ready(const RendererInfo& info) {
   awaits_scene_ = false;
   info_ = info;
+  method_->offer_environment(info.has_environment);
   show_notes();
 }
 

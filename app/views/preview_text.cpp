@@ -19,6 +19,7 @@ QString progress_text(const PreviewFrame& frame) {
     text += " · no shadows";
   else
     text += " · shadows: " + QString::fromUtf8(to_string(frame.visibility).data());
+  if (frame.environment) text += " · environment";
   if (frame.coarse) text += " · coarse";
   return text;
 }

@@ -102,7 +102,7 @@ Result<double> Frame::light(DeviceMethod& method, double each_s) {
                   std::vector<float>(gbuffer_.position.size() / 4),
                   {}};
   shade(gbuffer_, camera_.materials(), camera_.scene().luminaires,
-        {irradiance, light_field_.geometry().channels.size(), gloss, method.gloss_channels()}, picture);
+        {irradiance, light_field_.geometry().channels.size(), gloss, method.gloss_channels()}, {}, picture);
   tone_map(picture, {});
   show_s = watch.lap_s();
   return method.kernel_s();

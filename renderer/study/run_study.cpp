@@ -2,6 +2,7 @@
 
 #include <iterator>
 
+#include "renderer/study/environment_figures.h"
 #include "renderer/study/frame_figures.h"
 #include "renderer/study/ladder.h"
 #include "renderer/study/ladder_rows.h"
@@ -55,24 +56,35 @@ class StudyRun {
     return last ? figures(frame_figures(camera_, luminaire, job_.quick, part(k, 0.95, 1))) : Status{};
   }
 
+  Status environment() {
+    if (job_.ladders_only || !job_.scene.environment) return {};
+    const auto environment = LatLong::read(*job_.scene.environment);
+    if (!environment) return tl::unexpected(environment.error());
+    return figures(environment_figures(*environment, after_ladders(0, 0.3)));
+  }
+
   Status stability() {
     study_.stability = without_;
     if (job_.ladders_only) return {};
-    auto table = stability_table(
-        [&](double share, const std::string& what) { return progress_(ladders + (1 - ladders) * share, what); });
+    auto table = stability_table(after_ladders(job_.scene.environment ? 0.3 : 0, 1));
     if (!table) return tl::unexpected(table.error());
     study_.stability.insert(study_.stability.begin(), table->begin(), table->end());
     return {};
   }
 
  private:
-  /// The ladders take most of the time, the table the rest.
+  /// The ladders take most of the time, environment and table the rest.
   static constexpr double ladders = 0.85;
 
   StudyProgress part(std::size_t k, double from, double to) const {
     const double each = ladders / static_cast<double>(job_.luminaires.size());
     return [=, this](double share, const std::string& what) {
       return progress_(each * (static_cast<double>(k) + from + (to - from) * share), what);
+    };
+  }
+  StudyProgress after_ladders(double from, double to) const {
+    return [=, this](double share, const std::string& what) {
+      return progress_(ladders + (1 - ladders) * (from + (to - from) * share), what);
     };
   }
   void take(std::vector<FigureRow> rows) {
@@ -115,6 +127,7 @@ Result<Study> run_study(const StudyJob& job, const StudyProgress& progress) {
   StudyRun run(job, **camera, progress, study);
   for (std::size_t k = 0; k < job.luminaires.size(); ++k)
     if (const Status done = run.luminaire(k); !done) return tl::unexpected(done.error());
+  if (const Status done = run.environment(); !done) return tl::unexpected(done.error());
   if (const Status done = run.stability(); !done) return tl::unexpected(done.error());
   progress(1, "done");
   return study;

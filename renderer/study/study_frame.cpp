@@ -25,7 +25,7 @@ Picture StudyFrame::picture(const StudyLight& light, std::size_t channels) const
                   std::vector<float>(3 * receivers.size()),
                   std::vector<float>(receivers.size()),
                   {}};
-  shade(gbuffer, materials, {placement}, {light.irradiance, channels, light.gloss, appearance.gloss_channels(channels)},
+  shade(gbuffer, materials, {placement}, {light.irradiance, channels, light.gloss, appearance.gloss_channels(channels)}, {},
         picture);
   return picture;
 }

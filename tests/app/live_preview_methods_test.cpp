@@ -61,6 +61,41 @@ TEST_F(LivePreviewTest, AMethodThatIsRefusedLeavesTheOneBefore) {
   EXPECT_EQ(frame->method.method, Method::closed_form);
 }
 
+TEST_F(LivePreviewTest, AnEnvironmentIsSwitchedWithoutSummingAnew) {
+  Picture sky{64, 32, std::vector<float>(3 * 64 * 32, 2.0F), std::vector<float>(64 * 32, 1.0F), {}};
+  ASSERT_TRUE(write_exr(sky, folder_ / "sky.exr"));
+  const Scene dark = std::exchange(scene_, [&] {
+    Scene lit = scene_;
+    lit.environment = folder_ / "sky.exr";
+    return lit;
+  }());
+  auto live = preview();
+  live->set_scene(scene_);
+  live->set_luminaire(geometry_);
+  add_all(*live);
+  const FramePtr lit = told_.full(all_);
+  ASSERT_NE(lit, nullptr);
+  EXPECT_TRUE(lit->environment);
+  EXPECT_TRUE(told_.info().has_environment);
+  expect_same(expected(scene_.camera, all_), *lit->radiance);
+
+  std::size_t from = told_.frames();
+  live->set_environment(false);
+  const FramePtr off = told_.full(all_, from);
+  ASSERT_NE(off, nullptr);
+  EXPECT_FALSE(off->environment);
+  EXPECT_EQ(off->sum_s, 0);
+  // It stays off in the next scene, and one that has none has none to switch on.
+  from = told_.frames();
+  live->set_scene(dark);
+  live->set_environment(true);
+  const FramePtr without = told_.frame([&](const PreviewFrame& f) { return !f.coarse && f.cells == all_; }, from);
+  ASSERT_NE(without, nullptr);
+  EXPECT_FALSE(without->environment);
+  expect_same(*without->radiance, *off->radiance);
+  EXPECT_TRUE(told_.errors().empty());
+}
+
 /// Minutes of a coarse picture of a camera that moves, in bands of receivers of a second or so.
 class ADearPictureOfACameraThatMoves : public LivePreviewTest {
  protected:

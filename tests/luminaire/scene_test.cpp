@@ -17,7 +17,8 @@ using testing::HasSubstr;
 constexpr const char* documented = R"({ "format": "lumifield-scene", "version": 1, "mesh": "meshes/room.obj",
   "materials": { "wall": { "diffuse": [0.7,0.6,0.5] }, "floor": { "specular": [0.04,0.04,0.05], "roughness": 0.3 } },
   "camera": { "position_mm": [0, -2000, 1200], "target_mm": [0, 0, 800], "up": [0,0,1], "fov_y_deg": 45 },
-  "luminaires": [ { "pose": [1,0,0,0, 0,0,-1,0, 0,1,0,1500, 0,0,0,1], "scale": 2 } ], "environment": "x.exr" })";
+  "luminaires": [ { "pose": [1,0,0,0, 0,0,-1,0, 0,1,0,1500, 0,0,0,1], "scale": 2 } ], "environment": "x.exr",
+  "environment_scale": 0.5 })";
 
 class SceneFile : public testing::Test {
  protected:
@@ -39,6 +40,7 @@ TEST_F(SceneFile, ReadsTheDocumentedFile) {
   ASSERT_TRUE(scene) << scene.error().message();
   EXPECT_EQ(scene->mesh, folder_ / "meshes/room.obj");
   EXPECT_EQ(scene->environment, folder_ / "x.exr");
+  EXPECT_EQ(scene->environment_scale, 0.5);
   EXPECT_EQ(scene->materials.at("wall").diffuse, (std::array<double, 3>{0.7, 0.6, 0.5}));
   EXPECT_FALSE(scene->materials.at("wall").specular || scene->materials.at("wall").roughness);
   EXPECT_FALSE(scene->materials.at("floor").diffuse || scene->materials.at("floor").exponent);
@@ -73,6 +75,7 @@ TEST_F(SceneFile, KeepsPathsInsideTheFolder) {
   EXPECT_THAT(refusal_with("/mesh", "meshes/../../room.obj"), HasSubstr("mesh: leads out of the folder"));
   EXPECT_THAT(refusal_with("/mesh", std::string("a\0b", 3)), HasSubstr("mesh: is a path with a NUL"));
   EXPECT_THAT(refusal_with("/environment", "../x.exr"), HasSubstr("environment: leads out of the folder"));
+  EXPECT_THAT(refusal_with("/environment_scale", -1), HasSubstr("environment_scale: is out of range"));
   fs::create_symlink("/etc", folder_ / "outside");
   EXPECT_THAT(refusal_with("/mesh", "outside/passwd"), HasSubstr("mesh: is a link that leads out of the folder"));
   fs::create_symlink("meshes", folder_ / "inside");
@@ -83,6 +86,7 @@ void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.mesh, b.mesh);
   EXPECT_EQ(a.environment, b.environment);
+  EXPECT_EQ(a.environment_scale, b.environment_scale);
   ASSERT_EQ(a.materials.size(), b.materials.size());
   for (const auto& [name, material] : a.materials) {
     const MaterialOverride& other = b.materials.at(name);

@@ -14,6 +14,7 @@
 #include "renderer/methods/closed_form.h"
 #include "renderer/opengl/gbuffer.h"
 #include "renderer/scene/mesh.h"
+#include "tests/support/exr_file.h"
 
 namespace lumifield {
 namespace {
@@ -371,6 +372,56 @@ TEST_F(RendererTest, ALevelOfDetailIsPartOfTheView) {
   EXPECT_EQ(difference(coarse, *renderer->picture()), 0) << "a view that is refused changes nothing";
   ASSERT_TRUE(renderer->set_view(scene_.camera, width, height));
   EXPECT_EQ(difference(exact, *renderer->picture()), 0);
+}
+
+TEST_F(RendererTest, AnEnvironmentLightsTheSceneUnderAnyMethod) {
+  support::ExrFile sky(64, 32);
+  for (const char* name : {"R", "G", "B"}) {
+    sky.channels[name] = Imf::FLOAT;
+    for (int k = 0; k < 64 * 32; ++k) sky.pixels[name].push_back(k < 64 * 16 ? 3.0F : 0.0F);
+  }
+  sky.write(folder_ / "sky.exr");
+  const LightField field = light_field_of(geometry_of({"Y"}));
+  const Picture without = fresh(scene_, field);
+  EXPECT_FALSE(renderer_of(scene_, field.geometry())->set_environment(true)) << "there is none";
+  scene_.environment = folder_ / "sky.exr";
+  scene_.environment_scale = 0.5;
+  auto renderer = renderer_of(scene_, field.geometry());
+  EXPECT_TRUE(renderer->environment());
+  EXPECT_THAT(renderer->info().notes, Contains(HasSubstr("what hides the environment")));
+  ASSERT_TRUE(renderer->add_all(field));
+  for (const Method method : {Method::closed_form, Method::uniform_box}) {
+    ASSERT_TRUE(renderer->set_method({.method = method}));
+    ASSERT_TRUE(renderer->set_environment(false));
+    const Picture off = *renderer->picture();
+    if (method == Method::closed_form) {
+      EXPECT_EQ(difference(without, off), 0);
+    }
+    ASSERT_TRUE(renderer->set_environment(true));
+    const Picture on = *renderer->picture();
+    EXPECT_THAT(on.note, HasSubstr("environment"));
+    EXPECT_EQ(renderer->waiting(), 0) << "the sums stay";
+    // The floor looks up at a sky of 1.5: E = 1.5 π, of which Kd/π.
+    int floors = 0;
+    for (std::size_t k = 0; k < on.coverage.size(); ++k) {
+      if (on.coverage[k] == 0) {
+        EXPECT_EQ(on.rgb[3 * k], 0);
+        continue;
+      }
+      const float added = on.rgb[3 * k + 2] - off.rgb[3 * k + 2];
+      EXPECT_GT(added, 0.4F);
+      if (std::abs(added - 0.75F * 1.5F) < 0.02F) ++floors;
+    }
+    EXPECT_GT(floors, 200);
+  }
+  // Another view has its own.
+  SceneCamera from_above = scene_.camera;
+  from_above.position_mm = {0, 90, 1500};
+  from_above.up = {0, 1, 0};
+  ASSERT_TRUE(renderer->set_view(from_above, width, height));
+  EXPECT_TRUE(renderer->picture());
+  scene_.environment = folder_ / "no.exr";
+  EXPECT_THAT(Renderer::create(scene_, width, height).error().message(), HasSubstr("no.exr"));
 }
 
 TEST_F(RendererTest, RefusesWhatDoesNotFit) {

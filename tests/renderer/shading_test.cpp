@@ -62,29 +62,54 @@ TEST(Shading, AddsGlossOfOneOrThreeChannelsToTheDiffuse) {
   Picture picture = empty_picture();
   const auto expect = [&](std::size_t k, double value) { EXPECT_NEAR(picture.rgb[k], value, 1e-6 * value) << k; };
 
-  shade(g, materials, two_placements(), {e, 1, grey, 1}, picture);
+  shade(g, materials, two_placements(), {e, 1, grey, 1}, {}, picture);
   EXPECT_EQ(picture.coverage, (std::vector<float>{0, 1, 1}));
   for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(picture.rgb[k], 0);
   expect(3, 0.5 * 31 / pi + 6.5);
   expect(5, 6.5);
   expect(8, 62 / pi + 12.25);
 
-  shade(g, materials, two_placements(), {e, 1, coloured, 3}, picture);
+  shade(g, materials, two_placements(), {e, 1, coloured, 3}, {}, picture);
   expect(4, 0.25 * 31 / pi + 13);
   EXPECT_EQ(picture.rgb[5], 0);
   expect(7, 62 / pi + 24.5);
 
   // Of a textured G-buffer its own reflectance counts.
   g.reflectance = {0, 0, 0, 0, 0.125F, 0, 1, 0, 0, 0, 0, 0};
-  shade(g, materials, two_placements(), {e, 1}, picture);
+  shade(g, materials, two_placements(), {e, 1}, {}, picture);
   expect(3, 0.125 * 31 / pi);
   expect(5, 31 / pi);
+  EXPECT_EQ(picture.rgb[8], 0);
+}
+
+TEST(Shading, AddsAnEnvironment) {
+  // A diffuse, a Phong and a background pixel under the same light from everywhere: E = π L, and Phong along the normal
+  // gives its k_s.
+  GBuffer g{3, 1, {}, {}, {}, {}};
+  g.position = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0};
+  g.normal = {0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 0, 0};
+  const std::vector<Material> materials{
+      {.name = "dull", .diffuse = {0.5F, 0.25F, 0}},
+      {.name = "bright", .diffuse = {0.5F, 0.25F, 0}, .specular = {0.2F, 0.1F, 0.4F}, .lobe = LOBE_PHONG, .shape = 20}};
+  const EnvironmentLight even(LatLong(64, 32, std::vector<float>(3 * 64 * 32, 3.0F)), 2);
+  std::vector<float> light(9, 7.0F);
+  shade_by_environment(g, materials, even, {0, 0, 500}, 0, 2, light);
+  EXPECT_EQ(light[8], 7) << "another piece";
+  shade_by_environment(g, materials, even, {0, 0, 500}, 2, 3, light);
+  const double wanted[] = {3, 1.5, 0, 3 + 1.2, 1.5 + 0.6, 2.4, 0, 0, 0};
+  for (std::size_t k = 0; k < 9; ++k) EXPECT_NEAR(light[k], wanted[k], 2e-3 * wanted[k]) << k;
+  Picture picture{3, 1, std::vector<float>(9), std::vector<float>(3), {}};
+  const std::vector<double> e{1, 2, 0};
+  shade(g, materials, {ScenePlacement{}}, {e, 1}, light, picture);
+  EXPECT_NEAR(picture.rgb[3], light[3] + 0.5 * 2 * std::numbers::inv_pi, 1e-6);
   EXPECT_EQ(picture.rgb[8], 0);
 }
 
 TEST(Shading, SaysWhatIsLeftOut) {
   EXPECT_EQ(left_out(Visibility::none), "shadows, and light from surface to surface");
   EXPECT_EQ(left_out(Visibility::tile), "light from surface to surface");
+  EXPECT_EQ(left_out(Visibility::none, true), "shadows, what hides the environment, and light from surface to surface");
+  EXPECT_EQ(left_out(Visibility::rays, true), "what hides the environment, and light from surface to surface");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "app/views/preview_method_bar.h"
 
+#include <QCheckBox>
 #include <QComboBox>
 #include <QSignalSpy>
 #include <QSpinBox>
@@ -61,6 +62,20 @@ TEST_F(PreviewMethodBarTest, KeysChooseAMethodAndItsSamples) {
   ASSERT_EQ(told.size(), 3u);
   EXPECT_EQ(told.back().method, Method::closed_form);
   EXPECT_FALSE(samples()->isVisible());
+}
+
+TEST_F(PreviewMethodBarTest, AsksForAnEnvironmentWhereThereIsOne) {
+  auto* environment = bar.findChild<QCheckBox*>();
+  ASSERT_NE(environment, nullptr);
+  EXPECT_FALSE(environment->isVisible());
+  EXPECT_TRUE(bar.environment()) << "a scene that names one has it";
+  bar.offer_environment(true);
+  EXPECT_TRUE(environment->isVisible());
+  QSignalSpy switched(&bar, &PreviewMethodBar::environmentSwitched);
+  QTest::keyClick(environment, Qt::Key_Space);
+  ASSERT_EQ(switched.size(), 1);
+  EXPECT_FALSE(switched[0][0].toBool());
+  EXPECT_FALSE(bar.environment());
 }
 
 TEST_F(PreviewMethodBarTest, LightsInAllAreOtherNumbersThanSamplesForEachPixel) {

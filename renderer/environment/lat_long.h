@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <vector>
+
+#include "luminaire/error.h"
+#include "luminaire/geometry.h"
+
+namespace lumifield {
+
+/// Radiance that comes from all directions, far away, as an image of latitude and longitude: R, G, B, constant on its
+/// pixels, in units of the image. In the scene frame, z up: the first scanline is about +z, the middle column looks
+/// along +y, columns to the right turn towards +x, as one sees them from within. Value type, immutable, safe from any
+/// thread.
+class LatLong {
+ public:
+  /// rgb interleaved, 3 · width · height, finite and not negative.
+  LatLong(int width_px, int height_px, std::vector<float> rgb);
+  /// OpenEXR (R, G, B or Y) or PNG. Errors: those of read_texture; an image that is not twice as wide as high.
+  static Result<LatLong> read(const std::filesystem::path& file);
+
+  int width_px() const { return width_; }
+  int height_px() const { return height_; }
+  /// L from where a direction of any length points.
+  std::array<double, 3> radiance(const Vec3& direction) const;
+  std::array<double, 3> pixel(int i, int j) const;
+  /// At pixel coordinates: whole numbers are edges.
+  Vec3 direction(double i, double j) const;
+  /// Of a pixel of row j, sr.
+  double solid_angle(int j) const;
+
+ private:
+  int width_, height_;
+  std::vector<float> rgb_;
+};
+
+}  // namespace lumifield

@@ -1,0 +1,237 @@
+// An environment: its maps, its harmonics, and what surfaces reflect of it, against plain sums over its image.
+#include <cmath>
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <random>
+#include <unistd.h>
+
+#include "renderer/environment/environment_light.h"
+#include "renderer/methods/gloss.h"
+#include "renderer/methods/lobe_sampling.h"
+#include "tests/support/exr_file.h"
+
+namespace lumifield {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+template <class Colour>
+LatLong painted(int height, const Colour& colour) {
+  const int width = 2 * height;
+  std::vector<float> rgb(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  const LatLong empty(width, height, rgb);
+  for (int j = 0; j < height; ++j)
+    for (int i = 0; i < width; ++i) {
+      const std::array<double, 3> light = colour(empty.direction(i + 0.5, j + 0.5));
+      for (std::size_t c = 0; c < 3; ++c)
+        rgb[3 * (static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)) + c] =
+            static_cast<float>(light[c]);
+    }
+  return {width, height, std::move(rgb)};
+}
+
+/// A sky that fades to the horizon, a dark ground, and some lamps, the larger `sharp` the smaller.
+LatLong made_up(int height = 64, double sharp = 200) {
+  const Vec3 lamps[] = {Vec3(1, 0.2, 0.5).normalized(), Vec3(-0.4, 1, 0.1).normalized(),
+                        Vec3(0.1, -0.3, 1).normalized(), Vec3(0.5, -1, -0.2).normalized()};
+  return painted(height, [&](const Vec3& d) {
+    const double sky = d.z() > 0 ? 0.5 + d.z() : 0.2;
+    std::array<double, 3> colour{0.6 * sky, 0.8 * sky, sky};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double light = 0.1 * sharp * std::exp(sharp * (d.dot(lamps[k]) - 1));
+      for (std::size_t c = 0; c < 3; ++c) colour[c] += light * (c == k % 3 ? 1 : 0.5);
+    }
+    return colour;
+  });
+}
+
+std::vector<Vec3> directions(int count) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  std::vector<Vec3> all{{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {0, -1, 0}};
+  while (static_cast<int>(all.size()) < count)
+    all.push_back(Vec3(normal(random), normal(random), normal(random)).normalized());
+  return all;
+}
+
+/// ∫ g(L, ω) dω over the image's pixels.
+template <class G>
+double over_pixels(const LatLong& image, const G& g) {
+  double sum = 0;
+  for (int j = 0; j < image.height_px(); ++j)
+    for (int i = 0; i < image.width_px(); ++i)
+      sum += image.solid_angle(j) * g(image.pixel(i, j), image.direction(i + 0.5, j + 0.5));
+  return sum;
+}
+
+TEST(LatLong, LooksWhereItsDocumentationSays) {
+  const LatLong image = made_up(8);
+  EXPECT_NEAR((image.direction(8, 4) - Vec3(0, 1, 0)).norm(), 0, 1e-12) << "the middle is +y";
+  EXPECT_NEAR((image.direction(12, 4) - Vec3(1, 0, 0)).norm(), 0, 1e-12) << "+x is to the right";
+  EXPECT_NEAR((image.direction(3, 0) - Vec3(0, 0, 1)).norm(), 0, 1e-12);
+  double all = 0;
+  for (int j = 0; j < 8; ++j) all += 16 * image.solid_angle(j);
+  EXPECT_NEAR(all, 4 * pi, 1e-12);
+  for (int j = 0; j < 8; ++j)
+    for (int i = 0; i < 16; ++i) EXPECT_EQ(image.radiance(3 * image.direction(i + 0.3, j + 0.7)), image.pixel(i, j));
+}
+
+TEST(LatLong, IsReadFromAFileOfItsShape) {
+  const auto file = std::filesystem::temp_directory_path() / ("sky-" + std::to_string(getpid()) + ".exr");
+  for (const int width : {4, 6}) {
+    support::ExrFile exr(width, 2);
+    for (const char* name : {"R", "G", "B"}) {
+      exr.channels[name] = Imf::HALF;
+      exr.pixels[name].assign(static_cast<std::size_t>(2 * width), name[0] == 'G' ? 2.0F : 0.5F);
+    }
+    exr.write(file);
+    const auto read = LatLong::read(file);
+    ASSERT_EQ(read.has_value(), width == 4);
+    if (read)
+      EXPECT_EQ(read->pixel(3, 1), (std::array<double, 3>{0.5, 2, 0.5}));
+    else
+      EXPECT_NE(read.error().message().find("twice as wide as high"), std::string::npos);
+  }
+  std::filesystem::remove(file);
+  EXPECT_FALSE(LatLong::read(file));
+}
+
+TEST(DualParaboloid, TexelsSpanWhatTheMappingSays) {
+  // The four corners of a texel span Ω_p, and its own half adds up to a half space.
+  const DualParaboloid map(made_up());
+  EXPECT_GE(map.side_px(), 64);
+  const double side = map.side_px(), b = DualParaboloid::b;
+  double all = 0;
+  for (int row = 0; row < map.side_px(); ++row)
+    for (int column = 0; column < map.side_px(); ++column) {
+      const double x = 2 * b * ((column + 0.5) / side - 0.5), y = 2 * b * ((row + 0.5) / side - 0.5);
+      const double z = (1 - x * x - y * y) / (1 + x * x + y * y);
+      if (z >= 0) all += map.texel_solid_angle(z);
+    }
+  EXPECT_NEAR(all, 2 * pi, 0.01 * 2 * pi);
+  EXPECT_DOUBLE_EQ(map.level(4 * map.texel_solid_angle(0.3), 0.3), 1 + DualParaboloid::overlap);
+  EXPECT_DOUBLE_EQ(map.level(1e-9, 0.3), DualParaboloid::overlap);
+}
+
+TEST(DualParaboloid, ShowsTheEnvironmentAtEveryLevelAndAcrossTheSeam) {
+  const auto wanted = [](const Vec3& d) {
+    return std::array{2 + d.x() + 0.5 * d.y() - 0.3 * d.z(), 2 - d.y(), 1.5 + 0.7 * d.z()};
+  };
+  const LatLong image = painted(128, wanted);
+  const DualParaboloid map(image);
+  for (const Vec3& d : directions(300))
+    for (const double level : {0.0, 1.0, 2.5, 4.0}) {
+      const Eigen::Array4f got = map.radiance(d, level);
+      // Half a texel, which spans 4 b/side at most.
+      const double off = 0.5 * 4 * DualParaboloid::b / map.side_px() * std::exp2(level) + 2 * pi / image.width_px();
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c], wanted(d)[std::size_t(c)], off) << d.transpose() << ' ' << level;
+    }
+  for (double turn = 0; turn < 6.28; turn += 0.1)
+    for (const double level : {0.0, 2.0, 4.5}) {
+      const Vec3 across(std::cos(turn), std::sin(turn), 0);
+      const float above = map.radiance((across + Vec3(0, 0, 1e-6)).normalized(), level)[0];
+      const float below = map.radiance((across - Vec3(0, 0, 1e-6)).normalized(), level)[0];
+      EXPECT_NEAR(above, below, 0.03) << turn << ' ' << level;
+    }
+}
+
+TEST(DualParaboloid, LevelsKeepTheLight) {
+  // Bright pixels, one at the seam, where the halves are averaged apart: over all directions their light stays.
+  std::vector<float> rgb(3 * 128 * 64, 0.0F);
+  for (const auto& [i, j] : {std::pair(20, 12), {90, 31}, {64, 60}})
+    rgb[static_cast<std::size_t>(3 * (j * 128 + i))] = 1;
+  const LatLong image(128, 64, rgb);
+  const DualParaboloid map(image);
+  const double exact = image.solid_angle(12) + image.solid_angle(31) + image.solid_angle(60);
+  const LatLong sphere(1024, 512, std::vector<float>(3 * 1024 * 512));
+  for (const double level : {0.0, 1.0, 2.0, 3.0, 4.0}) {
+    const double all =
+        over_pixels(sphere, [&](const auto&, const Vec3& d) { return static_cast<double>(map.radiance(d, level)[0]); });
+    EXPECT_NEAR(all, exact, 0.12 * exact) << level;
+  }
+}
+
+TEST(IrradianceHarmonics, AreOrthonormalAndOfAFirstDegreeExact) {
+  const LatLong even(128, 64, std::vector<float>(3 * 128 * 64, 1.0F));
+  for (std::size_t a = 0; a < 9; ++a)
+    for (std::size_t b = a; b < 9; ++b)
+      EXPECT_NEAR(over_pixels(even,
+                              [&](const auto&, const Vec3& d) {
+                                const auto y = IrradianceHarmonics::basis(d);
+                                return y[a] * y[b];
+                              }),
+                  a == b ? 1 : 0, 2e-3);
+  for (const Vec3& n : directions(20)) EXPECT_NEAR(IrradianceHarmonics(even).irradiance(n)[1], pi, 1e-3);
+}
+
+TEST(IrradianceHarmonics, AreNearTheIrradiance) {
+  const LatLong image = made_up();
+  const IrradianceHarmonics harmonics(image);
+  double squares = 0, sum = 0;
+  for (const Vec3& n : directions(60)) {
+    const double exact =
+        over_pixels(image, [&](const auto& light, const Vec3& d) { return light[1] * std::max(n.dot(d), 0.0); });
+    const double off = harmonics.irradiance(n)[1] - exact;
+    EXPECT_LT(std::abs(off), 0.15 * exact);
+    squares += off * off / 60, sum += exact / 60;
+    // The reference is plain samples of the same.
+    EXPECT_NEAR(environment_reference(image, {}, n, 100'000)[1], exact, 3e-3 * exact);
+  }
+  EXPECT_LT(std::sqrt(squares), 0.05 * sum) << "degrees of 4 and more";
+}
+
+GlossLobe lobe_of(int kind, float shape, const Vec3& eye) {
+  const Eigen::Vector3f o = eye.cast<float>();
+  return {o.x(), o.y(), o.z(), shape, 0.5F, 0.6F, 0.7F, kind};
+}
+
+TEST(EnvironmentLight, ShinesAsTheReferenceDoes) {
+  const LatLong image = made_up(128);
+  const EnvironmentLight plain(image, 2, {20'000, false}), filtered(image, 2, {20'000, true});
+  const auto all = directions(24);
+  for (const auto& [kind, shape] : {std::pair(LOBE_PHONG, 50.0F), {LOBE_GGX, 0.09F}})
+    for (std::size_t k = 4; k + 1 < all.size(); ++k) {
+      const Vec3 n = all[k].dot(all[k + 1]) > 0 ? all[k] : Vec3(-all[k]);
+      if (n.dot(all[k + 1]) < 0.4) continue;  // a lobe at grazing angles is narrower than a pixel
+      const GlossLobe lobe = lobe_of(kind, shape, all[k + 1]);
+      const auto wanted = environment_reference(image, lobe, n, 100'000);
+      const double exact = over_pixels(image, [&](const auto& light, const Vec3& d) {
+        return light[1] * glossy_brdf(lobe, n, d)[1] * std::max(n.dot(d), 0.0);
+      });
+      EXPECT_NEAR(wanted[1], exact, 0.01 * exact);
+      for (std::size_t c = 0; c < 3; ++c) {
+        EXPECT_NEAR(plain.gloss(lobe, n)[c], 2 * wanted[c], 0.01 * 2 * wanted[c]);
+        EXPECT_NEAR(filtered.gloss(lobe, n)[c], 2 * wanted[c], 0.02 * 2 * wanted[c]);
+      }
+    }
+}
+
+TEST(EnvironmentLight, FewFilteredSamplesAreNearerThanPlainOnes) {
+  const LatLong image = made_up(128, 4000);
+  const auto all = directions(200);
+  for (const auto& [kind, shape] : {std::pair(LOBE_PHONG, 50.0F), {LOBE_GGX, 0.09F}})
+    for (const int samples : {10, 40, 200}) {
+      const EnvironmentLight plain(image, 1, {samples, false}), filtered(image, 1, {samples, true});
+      double with = 0, without = 0;
+      for (std::size_t k = 4; k + 1 < all.size(); ++k) {
+        const Vec3 n = all[k].dot(all[k + 1]) > 0 ? all[k] : Vec3(-all[k]);
+        const GlossLobe lobe = lobe_of(kind, shape, all[k + 1]);
+        const double wanted = environment_reference(image, lobe, n, 20'000)[1];
+        with += std::pow(filtered.gloss(lobe, n)[1] - wanted, 2);
+        without += std::pow(plain.gloss(lobe, n)[1] - wanted, 2);
+      }
+      EXPECT_LT(with, 0.5 * without) << kind << ' ' << samples;
+    }
+}
+
+TEST(EnvironmentLight, OfAnEyeBelowTheSurfaceOrADullOneDoesNotShine) {
+  const EnvironmentLight light(made_up(16), 1);
+  const Vec3 n(0, 0, 1);
+  EXPECT_EQ(light.gloss(lobe_of(LOBE_GGX, 0.1F, Vec3(0, 0.6, -0.8)), n)[0], 0);
+  EXPECT_EQ(light.gloss(lobe_of(LOBE_NONE, 0.1F, n), n)[0], 0);
+  EXPECT_GT(light.gloss(lobe_of(LOBE_GGX, 0.1F, n), n)[0], 0);
+}
+
+}  // namespace
+}  // namespace lumifield
