@@ -4,6 +4,14 @@
 
 namespace lumifield {
 
+namespace {
+
+std::vector<LobePoint> points_of(const EnvironmentSettings& settings) {
+  return lobe_points(PointSequence::halton, settings.samples, settings.seed, LobeDraws::glossy);
+}
+
+}  // namespace
+
 Result<std::unique_ptr<EnvironmentLight>> EnvironmentLight::read(const std::filesystem::path& file, double scale,
                                                                  const EnvironmentSettings& settings) {
   Result<LatLong> environment = LatLong::read(file);
@@ -17,7 +25,14 @@ EnvironmentLight::EnvironmentLight(LatLong environment, double scale, const Envi
       harmonics_(environment_),
       scale_(scale),
       settings_(settings),
-      points_(lobe_points(PointSequence::halton, settings.samples, 1, LobeDraws::glossy)) {}
+      points_(points_of(settings)) {}
+
+EnvironmentLight EnvironmentLight::with(const EnvironmentSettings& settings) const {
+  EnvironmentLight other = *this;
+  other.settings_ = settings;
+  other.points_ = points_of(settings);
+  return other;
+}
 
 std::array<double, 3> EnvironmentLight::irradiance(const Vec3& n) const {
   auto e = harmonics_.irradiance(n);

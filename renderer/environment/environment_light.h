@@ -15,6 +15,7 @@ namespace lumifield {
 struct EnvironmentSettings {
   int samples = 40;    ///< N of a lobe
   bool filter = true;  ///< each is looked up at its level of detail; else on the image's own pixels
+  std::uint32_t seed = 1;
 };
 
 /// The light of an environment that surfaces reflect, as if nothing of the scene stood before it: irradiance by
@@ -26,6 +27,9 @@ class EnvironmentLight {
   static Result<std::unique_ptr<EnvironmentLight>> read(const std::filesystem::path& file, double scale,
                                                         const EnvironmentSettings& settings = {});
   EnvironmentLight(LatLong environment, double scale, const EnvironmentSettings& settings = {});
+
+  /// The same light by other samples.
+  EnvironmentLight with(const EnvironmentSettings& settings) const;
 
   std::array<double, 3> irradiance(const Vec3& n) const;
   /// Towards the lobe's eye, all in the scene frame.
