@@ -310,20 +310,23 @@ __kernel void closed_form_tiles(const ClosedFormGeometry geometry, __global cons
 }
 
 #if LOBES > 0
-// The lobes of the run's receivers at the corners of all subtiles, a work-item for each receiver and row of corners. `at`:
-// the low corner of the tiles, then the size of one, mm.
+// The lobes of the run's receivers at the corners of the subtiles that its cells have, a work-item for each receiver and
+// row of corners. `at`: the low corner of the tiles, then the size of one, mm; `window`: first column and row of the
+// corners, and how many.
 __kernel void tile_lobes(const ClosedFormTiles tiles, __global const ClosedFormReceiver* list,
-                         __global const GlossLobe* lobes, const double4 at, __global float* corners) {
+                         __global const GlossLobe* lobes, const double4 at, const int4 window,
+                         __global float* corners) {
   const int columns = tiles.columns * NODES + 1, rows = tiles.rows * NODES + 1;
-  const int item = get_global_id(0), id = tiles.first + item / rows, row = item % rows;
+  const int item = get_global_id(0), id = tiles.first + item / window.w, row = window.y + item % window.w;
   if (id >= tiles.receivers) return;
   const ClosedFormReceiver r = list[id];
   const GlossLobe lobe = lobes[id];
-  __global float* out = corners + (size_t)(item / rows) * LOBES * rows * columns + row * columns;
+  __global float* out = corners + (size_t)(item / window.w) * LOBES * rows * columns + row * columns;
   const float3 n = (float3)(r.n_x, r.n_y, r.n_z);
   const float no = towards_eye(&lobe, r.n_x, r.n_y, r.n_z);
   const double y = at.y + row * at.w / NODES - r.p_y, facing = r.n_y * y - r.n_z * r.p_z;
-  for (int column = 0; column < columns; column += 16) {
+  const int end = window.x + window.z;
+  for (int column = window.x; column < end; column += 16) {
     const double16 x = at.x + (column + LANES_D) * at.z / NODES - r.p_x;
     float16 grey, grazing;
     glossy_brdf_16(&lobe, n, no, convert_float16(x), (float)y, (float)-r.p_z, convert_float16(r.n_x * x + facing), &grey,
@@ -332,7 +335,7 @@ __kernel void tile_lobes(const ClosedFormTiles tiles, __global const ClosedFormR
     for (int c = 0; c < LOBES; ++c) {
       float values[16];
       vstore16(colour[c] * grey + (1 - colour[c]) * grazing, 0, values);
-      for (int i = 0; i < min(16, columns - column); ++i) out[c * columns * rows + column + i] = values[i];
+      for (int i = 0; i < min(16, end - column); ++i) out[c * columns * rows + column + i] = values[i];
     }
   }
 }

@@ -122,9 +122,16 @@ std::size_t ClosedFormTilesDevice::batch_of(const List& list) const {
   return std::max<std::size_t>((device_.is_cpu() ? corner_bytes_on_cpu : corner_bytes_elsewhere) / each, 64);
 }
 
+/// First column and row of the subtiles' corners that the run's cells have, and how many.
+std::array<int, 4> ClosedFormTilesDevice::window_of(const ClosedFormRun& run, int nodes) const {
+  const int tiles_x = grid_.columns - geometry_.sampling.columns, tiles_y = grid_.rows - geometry_.sampling.rows;
+  return {run.first.column * nodes, run.first.row * nodes, (run.grid.columns + tiles_x) * nodes + 1,
+          (run.grid.rows + tiles_y) * nodes + 1};
+}
+
 Result<double> ClosedFormTilesDevice::run_list(List& list, const ClosedFormRun& run) {
   const std::size_t batch = batch_of(list), all = list.receivers.size();
-  const std::size_t rows = static_cast<std::size_t>(grid_.rows * std::max(list.division, 1) + 1);
+  const std::array<int, 4> window = window_of(run, std::max(list.division, 1));
   const std::size_t corner_floats =
       std::min(batch, all) * corners_of(grid_, list.division) * static_cast<std::size_t>(list.lobes);
   if (auto room = device_.make_room(corners_, corner_floats * sizeof(float), "lobes at the tiles' corners"); !room)
@@ -159,8 +166,9 @@ Result<double> ClosedFormTilesDevice::run_list(List& list, const ClosedFormRun& 
       list.lobe_kernel.set(2, list.gloss_on);
       list.lobe_kernel.set(3,
                            std::array{grid_.corner_mm.x(), grid_.corner_mm.y(), grid_.size_mm.x(), grid_.size_mm.y()});
-      list.lobe_kernel.set(4, corners_);
-      const auto took = device_.run(list.lobe_kernel, count * rows, 64);
+      list.lobe_kernel.set(4, window);
+      list.lobe_kernel.set(5, corners_);
+      const auto took = device_.run(list.lobe_kernel, count * static_cast<std::size_t>(window[3]), 64);
       if (!took) return took;
       seconds += *took;
     }

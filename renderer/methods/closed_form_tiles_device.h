@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "renderer/methods/appearance.h"
@@ -54,6 +55,7 @@ class ClosedFormTilesDevice {
   Status upload(List& list);
   Result<double> run_list(List& list, const ClosedFormRun& run);
   std::size_t batch_of(const List& list) const;
+  std::array<int, 4> window_of(const ClosedFormRun& run, int nodes) const;
 
   OpenClDevice& device_;
   const LuminaireGeometry& geometry_;
