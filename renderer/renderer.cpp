@@ -46,7 +46,6 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
   if (!opencl) impl->no_opencl = opencl.error();
   impl->info = {(*context)->description(), opencl.value_or(""), std::move(mesh->notes)};
   if (!opencl) impl->info.notes.push_back("without OpenCL: " + opencl.error().message());
-  impl->info.notes.push_back("left out: " + left_out(impl->visibility));
   if (scene.environment) impl->info.notes.emplace_back("left out: the environment");
   impl->materials = std::move(mesh->materials);
   mesh->textures.clear();  // the pass has its own
@@ -60,7 +59,11 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
   return renderer;
 }
 
-RendererInfo Renderer::info() const { return impl_->info; }
+RendererInfo Renderer::info() const {
+  RendererInfo info = impl_->info;
+  info.notes.push_back("left out: " + left_out(impl_->visibility));
+  return info;
+}
 
 Status Renderer::set_luminaire(const LuminaireGeometry& geometry) {
   if (geometry.channels.size() != 1 && geometry.channels.size() != 3)

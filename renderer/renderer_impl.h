@@ -25,7 +25,7 @@ struct Renderer::Impl {
   Visibility visibility = Visibility::tile;
   std::vector<Material> materials;
   std::vector<ScenePlacement> placements;
-  RendererInfo info;
+  RendererInfo info;  ///< without what the visibility leaves out
   GBuffer gbuffer;
   Vec3 eye_mm{0, 0, 0};  ///< that sees it
   double lod = 0;

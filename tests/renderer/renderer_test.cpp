@@ -20,6 +20,7 @@ namespace {
 
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 namespace fs = std::filesystem;
 
 constexpr int width = 40, height = 30;
@@ -165,6 +166,8 @@ TEST_F(RendererTest, WhatStandsBeforeALuminaireCastsAShadow) {
   ASSERT_TRUE(renderer->set_visibility(Visibility::none));
   const Picture bare = *renderer->picture();
   EXPECT_THAT(bare.note, HasSubstr("shadows"));
+  EXPECT_THAT(renderer->info().notes, Contains("left out: " + bare.note));
+  EXPECT_THAT(renderer->info().notes, Not(Contains("left out: " + shadowed.note))) << "that was another visibility";
   ASSERT_TRUE(renderer->set_visibility(Visibility::rays));
   const Picture by_rays = *renderer->picture();
   int darker = 0;
