@@ -54,6 +54,7 @@ struct Renderer::Impl {
     return static_cast<double>(gbuffer.position.size()) / 4 * static_cast<double>(placements.size());
   }
   void clear();
+  Status check_memory() const;
   Status hand_over();
   Status see(const Receivers& seen, Appearance& appearance);
   Status set_spot_scene(const Receivers& seen);

@@ -4,8 +4,10 @@
 #include <utility>
 
 #include "renderer/methods/closed_form_shared.h"
+#include "renderer/methods/table_memory.h"
 #include "renderer/renderer_impl.h"
 #include "renderer/shading.h"
+#include "renderer/view_memory.h"
 
 namespace lumifield {
 
@@ -18,8 +20,18 @@ void Renderer::Impl::clear() {
     if (cells[k]) waiting.insert(static_cast<int>(k));
 }
 
+/// Before any of it is taken.
+Status Renderer::Impl::check_memory() const {
+  const bool glossy = std::ranges::any_of(materials, [](const Material& m) { return m.lobe != LOBE_NONE; });
+  std::size_t each = 3 * 4 * sizeof(float) + sizeof(Receiver) + geometry->channels.size() * sizeof(double);
+  if (glossy) each += sizeof(GlossLobe) + 3 * sizeof(double);
+  if (visibility != Visibility::none && !spots) each += visibility_bytes(*geometry, visibility);
+  return check_view_memory("receivers", gbuffer.position.size() / 4, placements.size(), each, host_memory_bytes());
+}
+
 Status Renderer::Impl::hand_over() {
   if (const Status ready = need_luminaire(); !ready || handed_over) return ready;
+  if (const Status fits = check_memory(); !fits) return fits;
   clear();
   const Receivers seen = receivers_of(gbuffer, placements);
   Appearance appearance;

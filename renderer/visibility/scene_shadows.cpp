@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "renderer/view_memory.h"
+
 namespace lumifield {
 
 namespace {
@@ -21,6 +23,12 @@ Vec3 vector_of(const std::vector<float>& list, std::size_t k) {
 }
 
 }  // namespace
+
+/// For rays to points positions and faces are kept too.
+std::size_t visibility_bytes(const LuminaireGeometry& geometry, Visibility visibility) {
+  const TileVisibility one{.grid = TileGrid(geometry.sampling)};
+  return one.receiver_words() * sizeof(std::uint32_t) + (visibility == Visibility::rays ? 8 * sizeof(float) : 0);
+}
 
 Result<TileShadows*> SceneShadows::shadows_of(std::unique_ptr<TileShadows>& shadows) {
   if (!shadows) {
@@ -106,16 +114,22 @@ Status SceneShadows::see(const std::vector<ScenePlacement>& placements, const Lu
   if (visibility == Visibility::none || placements.empty()) return {};
 
   const std::size_t floats = p_xyzw.size() / placements.size();
+  if (const Status fits = check_view_memory("shadows", floats / 4, placements.size(),
+                                            visibility_bytes(geometry, visibility), memory_bytes_);
+      !fits)
+    return fits;
   for (std::size_t k = 0; k < placements.size(); ++k) {
     const auto p = p_xyzw.subspan(k * floats, floats), n = face_xyzw.subspan(k * floats, floats);
     auto seen = visibility == Visibility::rays ? by_rays(k, placements[k].pose, geometry, p, n)
                                                : by_maps(k, placements[k].pose, geometry, visibility, coarse, p, n);
     if (!seen) return tl::unexpected(seen.error());
     TileVisibility& all = appearance.visible;
-    if (k == 0)
+    if (k == 0) {
       all = std::move(*seen);
-    else
+      all.words.reserve(placements.size() * all.words.size());
+    } else {
       all.words.insert(all.words.end(), seen->words.begin(), seen->words.end());
+    }
   }
   if (visibility != Visibility::rays) return {};
   // Of points: what is kept of the receivers lives as long as the function.

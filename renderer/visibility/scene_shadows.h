@@ -7,6 +7,7 @@
 
 #include "luminaire/scene.h"
 #include "renderer/methods/appearance.h"
+#include "renderer/methods/table_memory.h"
 #include "renderer/visibility/ray_visibility.h"
 #include "renderer/visibility/tile_shadows.h"
 #include "renderer/visibility/visibility.h"
@@ -18,7 +19,9 @@ namespace lumifield {
 /// each tile one, until they are forgotten. Thread-bound to the context's thread; the context must outlive it.
 class SceneShadows {
  public:
-  SceneShadows(EglContext& context, Mesh mesh) : context_(context), mesh_(std::move(mesh)) {}
+  /// `memory_bytes`: half of it may be taken for what all receivers see.
+  SceneShadows(EglContext& context, Mesh mesh, double memory_bytes = host_memory_bytes())
+      : context_(context), mesh_(std::move(mesh)), memory_bytes_(memory_bytes) {}
 
   /// Placements that keep their maps; of more than these a few make them anew for each view.
   static constexpr std::size_t most_kept = 16;
@@ -26,8 +29,8 @@ class SceneShadows {
   static constexpr int coarse_tiles = 3, coarse_px = 96;
 
   /// Sets `appearance.visible` of all placements' receivers in turn (shading.h), 4 floats each, luminaire frames, and
-  /// of rays `appearance.sees`. `coarse`: maps that have to be made are coarse ones. Errors: published
-  /// positions that have not been taken, those of TileShadows and RayVisibility.
+  /// of rays `appearance.sees`. `coarse`: maps that have to be made are coarse ones. Errors: more
+  /// receivers than memory, published positions that have not been taken, those of TileShadows and RayVisibility.
   Status see(const std::vector<ScenePlacement>& placements, const LuminaireGeometry& geometry, Visibility visibility,
              bool coarse, std::span<const float> p_xyzw, std::span<const float> face_xyzw, Appearance& appearance);
 
@@ -59,6 +62,7 @@ class SceneShadows {
 
   EglContext& context_;
   Mesh mesh_;
+  double memory_bytes_;
   std::vector<Lamp> lamps_;
   std::optional<TilePositions> positions_;
   struct Rays {
@@ -67,5 +71,8 @@ class SceneShadows {
   };
   std::vector<Rays> rays_;  ///< of the last placements seen by rays
 };
+
+/// Of what a receiver sees of one placement, bytes.
+std::size_t visibility_bytes(const LuminaireGeometry& geometry, Visibility visibility);
 
 }  // namespace lumifield

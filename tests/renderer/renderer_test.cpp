@@ -12,6 +12,7 @@
 #include <random>
 
 #include "renderer/methods/closed_form.h"
+#include "renderer/methods/table_memory.h"
 #include "renderer/opengl/gbuffer.h"
 #include "renderer/scene/mesh.h"
 
@@ -374,6 +375,25 @@ TEST_F(RendererTest, ALevelOfDetailIsPartOfTheView) {
   EXPECT_EQ(difference(coarse, *renderer->picture()), 0) << "a view that is refused changes nothing";
   ASSERT_TRUE(renderer->set_view(scene_.camera, width, height));
   EXPECT_EQ(difference(exact, *renderer->picture()), 0);
+}
+
+TEST_F(RendererTest, ReceiversThatDoNotFitIntoMemoryAreRefusedBeforeAnyIsTaken) {
+  const LightField field = light_field_of(geometry_of({"Y"}));
+  auto renderer = renderer_of(scene_, field.geometry());
+  ASSERT_TRUE(renderer->add_all(field));
+  const Picture before = *renderer->picture();
+  // Positions, normals and faces alone take 48 bytes.
+  const std::vector<ScenePlacement> many(most_luminaires, scene_.luminaires[0]);
+  const int side = static_cast<int>(std::sqrt(host_memory_bytes() / 2 / (48.0 * most_luminaires))) + 1;
+  ASSERT_TRUE(renderer->set_placements(many));
+  ASSERT_TRUE(renderer->set_view(scene_.camera, side, side));
+  for (const Status& refused : {renderer->hand_over(), Status(renderer->picture().map([](const Picture&) {}))}) {
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message(), HasSubstr("pixels seen by 1000 luminaires take"));
+  }
+  ASSERT_TRUE(renderer->set_placements(scene_.luminaires));
+  ASSERT_TRUE(renderer->set_view(scene_.camera, width, height));
+  EXPECT_EQ(difference(before, *renderer->picture()), 0);
 }
 
 TEST_F(RendererTest, RefusesWhatDoesNotFit) {
