@@ -60,31 +60,14 @@ struct TileShadows::Impl {
   int times_made = 0;
   double last_kernel_s = 0;
 
-  Status room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose);
-  Status fill(DeviceBuffer& buffer, std::span<const std::byte> data, std::string_view purpose);
   Status make(const ShadowPlan& wanted);
   ShadowTiles shared(std::size_t receivers) const;
 };
 
-/// Kept when it is large enough, and not far too large.
-Status TileShadows::Impl::room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose) {
-  if (buffer.bytes() >= bytes && buffer.bytes() / 4 <= bytes) return {};
-  buffer = {};
-  auto made = device->allocate(bytes, purpose);
-  if (!made) return tl::unexpected(made.error());
-  buffer = *made;
-  return {};
-}
-
-Status TileShadows::Impl::fill(DeviceBuffer& buffer, std::span<const std::byte> data, std::string_view purpose) {
-  if (const Status there = room(buffer, data.size(), purpose); !there) return there;
-  return device->write(buffer, 0, data);
-}
-
 Status TileShadows::Impl::make(const ShadowPlan& wanted) {
   const Result<ShadowMaps> drawn = pass->draw(pose, wanted.views, settings.map_px);
   if (!drawn) return tl::unexpected(drawn.error());
-  return fill(depths, std::as_bytes(std::span(drawn->depth_mm)), "shadow maps");
+  return device->fill(depths, drawn->depth_mm, "shadow maps");
 }
 
 ShadowTiles TileShadows::Impl::shared(std::size_t receivers) const {
@@ -135,8 +118,7 @@ Status TileShadows::set(const Pose& pose, const LuminaireGeometry& geometry, con
     ++impl_->times_made;
   }
   const std::vector<ShadowTileMap> list = maps_of(*plan, settings);
-  if (const Status done = impl_->fill(impl_->maps, std::as_bytes(std::span(list)), "the list of shadow maps"); !done)
-    return done;
+  if (const Status done = impl_->device->fill(impl_->maps, list, "the list of shadow maps"); !done) return done;
   impl_->plan = std::move(*plan);
   return {};
 }
@@ -159,12 +141,13 @@ Result<TileVisibility> TileShadows::see(std::span<const float> p_xyzw, std::span
 
   // Hand the receivers over. What fills the last work-item is whatever lies there, and is not read back.
   const auto hand = [&](DeviceBuffer& buffer, std::span<const float> all, std::string_view purpose) -> Status {
-    if (const Status there = impl_->room(buffer, filled * 4 * sizeof(float), purpose); !there) return there;
+    if (const Status there = impl_->device->make_room(buffer, filled * 4 * sizeof(float), purpose); !there)
+      return there;
     return impl_->device->write(buffer, 0, std::as_bytes(all));
   };
   if (const Status done = hand(impl_->positions, p_xyzw, "receivers"); !done) return tl::unexpected(done.error());
   if (const Status done = hand(impl_->faces, face_xyzw, "their faces"); !done) return tl::unexpected(done.error());
-  if (const Status done = impl_->room(impl_->words, filled * receiver_bytes, "visibility"); !done)
+  if (const Status done = impl_->device->make_room(impl_->words, filled * receiver_bytes, "visibility"); !done)
     return tl::unexpected(done.error());
 
   // Test them.
