@@ -74,7 +74,7 @@ Status Renderer::set_luminaire(const LuminaireGeometry& geometry) {
     return made;
   }
   impl_->cells.assign(static_cast<std::size_t>(geometry.sampling.cells()), nullptr);
-  impl_->shadows->forget_luminaire();
+  impl_->shadows->forget_positions();
   impl_->receiver_s = 0;
   impl_->clear();
   return {};

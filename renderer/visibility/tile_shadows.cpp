@@ -47,12 +47,18 @@ std::vector<ShadowTileMap> maps_of(const ShadowPlan& plan, const ShadowSettings&
 
 }  // namespace
 
-struct TileShadows::Impl {
+/// What all maps of a scene share.
+struct TileShadows::Tools {
   std::unique_ptr<ShadowMapPass> pass;
   std::unique_ptr<OpenClDevice> device;
   DeviceKernel kernel;
   std::size_t width = 1;  ///< receivers of a work-item
-  DeviceBuffer maps, depths, positions, faces, words;
+  DeviceBuffer positions, faces, words;
+};
+
+struct TileShadows::Impl {
+  std::shared_ptr<Tools> tools;
+  DeviceBuffer maps, depths;
 
   std::optional<ShadowPlan> plan;  ///< of the maps that there are, with the pose and settings
   Pose pose;
@@ -65,9 +71,9 @@ struct TileShadows::Impl {
 };
 
 Status TileShadows::Impl::make(const ShadowPlan& wanted) {
-  const Result<ShadowMaps> drawn = pass->draw(pose, wanted.views, settings.map_px);
+  const Result<ShadowMaps> drawn = tools->pass->draw(pose, wanted.views, settings.map_px);
   if (!drawn) return tl::unexpected(drawn.error());
-  return device->fill(depths, drawn->depth_mm, "shadow maps");
+  return tools->device->fill(depths, drawn->depth_mm, "shadow maps");
 }
 
 ShadowTiles TileShadows::Impl::shared(std::size_t receivers) const {
@@ -88,21 +94,38 @@ TileShadows::~TileShadows() = default;
 int TileShadows::maps() const { return impl_->plan ? static_cast<int>(impl_->plan->views.size()) : 0; }
 int TileShadows::times_made() const { return impl_->times_made; }
 double TileShadows::last_kernel_s() const { return impl_->last_kernel_s; }
-std::string TileShadows::device_name() const { return impl_->device->name(); }
+std::string TileShadows::device_name() const { return impl_->tools->device->name(); }
+std::optional<Pose> TileShadows::pose() const { return impl_->plan ? std::optional(impl_->pose) : std::nullopt; }
 
 Result<std::unique_ptr<TileShadows>> TileShadows::create(EglContext& context, const Mesh& mesh) {
-  auto impl = std::make_unique<Impl>();
+  auto tools = std::make_shared<Tools>();
   auto device = OpenClDevice::create();
   if (!device) return tl::unexpected(device.error());
-  impl->device = std::move(*device);
-  impl->width = impl->device->is_cpu() ? cpu_width : 1;
-  auto kernel = impl->device->build("tile_visibility", "-DRECEIVERS=" + std::to_string(impl->width), "tile_visibility");
+  tools->device = std::move(*device);
+  tools->width = tools->device->is_cpu() ? cpu_width : 1;
+  auto kernel =
+      tools->device->build("tile_visibility", "-DRECEIVERS=" + std::to_string(tools->width), "tile_visibility");
   if (!kernel) return tl::unexpected(kernel.error());
-  impl->kernel = *kernel;
+  tools->kernel = *kernel;
   auto pass = ShadowMapPass::create(context, mesh);
   if (!pass) return tl::unexpected(pass.error());
-  impl->pass = std::move(*pass);
+  tools->pass = std::move(*pass);
+  auto impl = std::make_unique<Impl>();
+  impl->tools = std::move(tools);
   return std::unique_ptr<TileShadows>(new TileShadows(std::move(impl)));
+}
+
+std::unique_ptr<TileShadows> TileShadows::another() const {
+  auto impl = std::make_unique<Impl>();
+  impl->tools = impl_->tools;
+  return std::unique_ptr<TileShadows>(new TileShadows(std::move(impl)));
+}
+
+bool TileShadows::has(const Pose& pose, const LuminaireGeometry& geometry, const ShadowSettings& settings,
+                      const std::optional<TilePositions>& positions) const {
+  if (!impl_->plan || impl_->pose != pose || impl_->settings.map_px != settings.map_px) return false;
+  const Result<ShadowPlan> plan = plan_shadows(geometry, settings, positions);
+  return plan && *plan == *impl_->plan;
 }
 
 Status TileShadows::set(const Pose& pose, const LuminaireGeometry& geometry, const ShadowSettings& settings,
@@ -118,7 +141,7 @@ Status TileShadows::set(const Pose& pose, const LuminaireGeometry& geometry, con
     ++impl_->times_made;
   }
   const std::vector<ShadowTileMap> list = maps_of(*plan, settings);
-  if (const Status done = impl_->device->fill(impl_->maps, list, "the list of shadow maps"); !done) return done;
+  if (const Status done = impl_->tools->device->fill(impl_->maps, list, "the list of shadow maps"); !done) return done;
   impl_->plan = std::move(*plan);
   return {};
 }
@@ -129,9 +152,9 @@ Result<TileVisibility> TileShadows::see(std::span<const float> p_xyzw, std::span
     return fail(
         std::to_string(p_xyzw.size()) + " floats of positions and " + std::to_string(face_xyzw.size()) + " of faces",
         "receivers", "give four of each to a receiver");
+  Tools& tools = *impl_->tools;
   TileVisibility visibility{impl_->plan->grid, impl_->settings.weighing, {}};
-  const std::size_t receivers = p_xyzw.size() / 4,
-                    filled = (receivers + impl_->width - 1) / impl_->width * impl_->width;
+  const std::size_t receivers = p_xyzw.size() / 4, filled = (receivers + tools.width - 1) / tools.width * tools.width;
   const std::size_t receiver_bytes = visibility.receiver_words() * sizeof(std::uint32_t);
   if (filled > max_visibility_bytes / receiver_bytes)
     return fail(
@@ -141,28 +164,27 @@ Result<TileVisibility> TileShadows::see(std::span<const float> p_xyzw, std::span
 
   // Hand the receivers over. What fills the last work-item is whatever lies there, and is not read back.
   const auto hand = [&](DeviceBuffer& buffer, std::span<const float> all, std::string_view purpose) -> Status {
-    if (const Status there = impl_->device->make_room(buffer, filled * 4 * sizeof(float), purpose); !there)
-      return there;
-    return impl_->device->write(buffer, 0, std::as_bytes(all));
+    if (const Status there = tools.device->make_room(buffer, filled * 4 * sizeof(float), purpose); !there) return there;
+    return tools.device->write(buffer, 0, std::as_bytes(all));
   };
-  if (const Status done = hand(impl_->positions, p_xyzw, "receivers"); !done) return tl::unexpected(done.error());
-  if (const Status done = hand(impl_->faces, face_xyzw, "their faces"); !done) return tl::unexpected(done.error());
-  if (const Status done = impl_->device->make_room(impl_->words, filled * receiver_bytes, "visibility"); !done)
+  if (const Status done = hand(tools.positions, p_xyzw, "receivers"); !done) return tl::unexpected(done.error());
+  if (const Status done = hand(tools.faces, face_xyzw, "their faces"); !done) return tl::unexpected(done.error());
+  if (const Status done = tools.device->make_room(tools.words, filled * receiver_bytes, "visibility"); !done)
     return tl::unexpected(done.error());
 
   // Test them.
-  DeviceKernel& kernel = impl_->kernel;
+  DeviceKernel& kernel = tools.kernel;
   kernel.set(0, impl_->shared(filled));
   kernel.set(1, impl_->maps);
   kernel.set(2, impl_->depths);
-  kernel.set(3, impl_->positions);
-  kernel.set(4, impl_->faces);
-  kernel.set(5, impl_->words);
-  const Result<double> ran = impl_->device->run(kernel, filled / impl_->width, work_group);
+  kernel.set(3, tools.positions);
+  kernel.set(4, tools.faces);
+  kernel.set(5, tools.words);
+  const Result<double> ran = tools.device->run(kernel, filled / tools.width, work_group);
   if (!ran) return tl::unexpected(ran.error());
   impl_->last_kernel_s = *ran;
   visibility.words.resize(receivers * visibility.receiver_words());
-  if (const Status read = impl_->device->read(impl_->words, std::as_writable_bytes(std::span(visibility.words))); !read)
+  if (const Status read = tools.device->read(tools.words, std::as_writable_bytes(std::span(visibility.words))); !read)
     return tl::unexpected(read.error());
   return visibility;
 }

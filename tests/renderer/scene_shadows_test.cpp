@@ -52,15 +52,156 @@ struct Seen {
   }
 };
 
+/// Each cell has its light elsewhere; those of the last column are dark.
+LightField lit_cells(const LuminaireGeometry& geometry) {
+  LightField field(geometry);
+  const Measurement& m = geometry.measurement;
+  for (int k = 0; k < geometry.sampling.cells(); ++k) {
+    CellImage image{m.width_px, m.height_px, 1, std::vector<float>(m.pixels(), 0.0F), {}, {}};
+    const CellIndex cell = geometry.sampling.index(k);
+    if (cell.column < geometry.sampling.columns - 1) image.value[(static_cast<std::size_t>(k) * 37) % m.pixels()] = 1;
+    EXPECT_TRUE(field.add(cell, std::move(image)));
+  }
+  return field;
+}
+
 class SceneShadowsTest : public test::WithEgl {
  protected:
   void SetUp() override {
     WithEgl::SetUp();
     if (const auto cl = probe_opencl(); !cl) GTEST_SKIP() << cl.error().message();
   }
+  /// What one lamp's receivers see by maps of its own.
+  std::vector<std::uint32_t> alone(const ScenePlacement& lamp, const TestReceivers& receivers, ShadowSettings settings,
+                                   const std::optional<TilePositions>& positions = {}) {
+    if (!alone_) alone_ = TileShadows::create(*context_, mesh_).value();
+    EXPECT_TRUE(alone_->set(lamp.pose, geometry_, settings, positions));
+    return alone_->see(receivers.p_xyzw, receivers.face_xyzw).value().words;
+  }
+  std::vector<std::uint32_t> seen_by(SceneShadows& shadows, const std::vector<ScenePlacement>& placements,
+                                     Visibility visibility, bool coarse, const Seen& seen) {
+    Appearance appearance;
+    const Status done =
+        shadows.see(placements, geometry_, visibility, coarse, seen.all.p_xyzw, seen.all.face_xyzw, appearance);
+    EXPECT_TRUE(done) << done.error().message();
+    EXPECT_EQ(appearance.visible.weighing,
+              visibility == Visibility::published ? ShadowWeighing::mean : ShadowWeighing::tile);
+    return appearance.visible.words;
+  }
+  static void append(std::vector<std::uint32_t>& to, const std::vector<std::uint32_t>& words) {
+    to.insert(to.end(), words.begin(), words.end());
+  }
+
   const Mesh mesh_ = boxes();
   const LuminaireGeometry geometry_ = bell_grid();
+  const ShadowSettings published_{.position = ShadowPosition::published, .weighing = ShadowWeighing::mean};
+  const LightField cells_ = lit_cells(geometry_);
+  const TilePositions positions_ = published_positions(cells_);
+  std::unique_ptr<TileShadows> alone_;
 };
+
+TEST_F(SceneShadowsTest, EachLampsReceiversSeeAsWithItAlone) {
+  const auto placements = lamps(3);
+  const Seen seen(mesh_, placements, 700);
+  SceneShadows shadows(*context_, mesh_);
+  shadows.take_positions(cells_);
+  std::vector<std::uint32_t> tile, published, rays;
+  for (std::size_t k = 0; k < placements.size(); ++k) {
+    append(tile, alone(placements[k], seen.of_lamp[k], {}));
+    append(published, alone(placements[k], seen.of_lamp[k], published_, positions_));
+    const TestReceivers& r = seen.of_lamp[k];
+    const auto by = RayVisibility::create(mesh_, placements[k].pose).value();
+    append(rays, by.see_tiles(TileGrid(geometry_.sampling), r.p_xyzw, r.face_xyzw).words);
+  }
+  EXPECT_NE(tile, published);
+  EXPECT_NE(tile, rays);
+  for (int round = 0; round < 2; ++round) {
+    EXPECT_EQ(seen_by(shadows, placements, Visibility::tile, false, seen), tile);
+    EXPECT_EQ(seen_by(shadows, placements, Visibility::published, false, seen), published);
+    EXPECT_EQ(seen_by(shadows, placements, Visibility::rays, false, seen), rays);
+  }
+
+  // Of points, whoever asks, also when rays tell no more.
+  Appearance appearance;
+  ASSERT_TRUE(
+      shadows.see(placements, geometry_, Visibility::rays, false, seen.all.p_xyzw, seen.all.face_xyzw, appearance));
+  (void)seen_by(shadows, placements, Visibility::tile, false, seen);
+  const auto one = RayVisibility::create(mesh_, placements[1].pose).value();
+  int hidden = 0;
+  for (std::size_t k = 0; k < 700; ++k) {
+    const Vec2 u(9, -3);
+    const bool sees = one.sees(seen.of_lamp[1].p(k), seen.of_lamp[1].n(k), {u.x(), u.y(), 0});
+    EXPECT_EQ(appearance.sees(700 + k, u), sees) << k;
+    hidden += !sees;
+  }
+  EXPECT_GT(hidden, 100);
+  EXPECT_LT(hidden, 600);
+}
+
+TEST_F(SceneShadowsTest, MoreLampsThanKeepTheirMapsSeeAsWellAndAFewMakeThemAnew) {
+  const std::size_t count = SceneShadows::most_kept + 2;
+  const auto placements = lamps(count);
+  const Seen seen(mesh_, placements, 60);
+  SceneShadows shadows(*context_, mesh_);
+  std::vector<std::uint32_t> expected;
+  for (std::size_t k = 0; k < count; ++k) append(expected, alone(placements[k], seen.of_lamp[k], {}));
+  EXPECT_EQ(seen_by(shadows, placements, Visibility::tile, false, seen), expected);
+  EXPECT_EQ(shadows.times_made(), count);
+  EXPECT_EQ(seen_by(shadows, placements, Visibility::tile, false, seen), expected);
+  EXPECT_EQ(shadows.times_made(), count + 3) << "those that share one place";
+  EXPECT_EQ(shadows.lamps_kept(), SceneShadows::most_kept);
+}
+
+TEST_F(SceneShadowsTest, CoarseMapsStandInUntilThereAreFineOnes) {
+  auto placements = lamps(2);
+  for (const Visibility visibility : {Visibility::tile, Visibility::published}) {
+    ShadowSettings fine = visibility == Visibility::tile ? ShadowSettings{} : published_, coarse = fine;
+    coarse.tiles_per_map = SceneShadows::coarse_tiles;
+    coarse.map_px = SceneShadows::coarse_px;
+    SceneShadows shadows(*context_, mesh_);
+    shadows.take_positions(cells_);
+    const auto expect = [&](bool asked_coarse, const std::array<ShadowSettings, 2>& settings, int made,
+                            const char* what) {
+      const Seen seen(mesh_, placements, 300);
+      std::vector<std::uint32_t> expected;
+      for (std::size_t k = 0; k < 2; ++k)
+        append(expected, alone(placements[k], seen.of_lamp[k], settings[k], positions_));
+      EXPECT_EQ(seen_by(shadows, placements, visibility, asked_coarse, seen), expected) << what;
+      EXPECT_EQ(shadows.times_made(), made) << what;
+    };
+    expect(true, {coarse, coarse}, 2, "none there yet");
+    expect(false, {fine, fine}, 4, "fine ones asked for");
+    expect(true, {fine, fine}, 4, "fine ones there");
+    placements[0].pose(1, 3) += 20;
+    expect(true, {coarse, fine}, 5, "one has moved");
+    expect(false, {fine, fine}, 6, "and rests");
+  }
+}
+
+TEST_F(SceneShadowsTest, LampsThatGoLeaveTheOthersTheirMaps) {
+  const auto all = lamps(4);
+  SceneShadows shadows(*context_, mesh_);
+  const auto see = [&](const std::vector<ScenePlacement>& placements) {
+    const Seen seen(mesh_, placements, 100);
+    std::vector<std::uint32_t> expected;
+    for (std::size_t k = 0; k < placements.size(); ++k) append(expected, alone(placements[k], seen.of_lamp[k], {}));
+    EXPECT_EQ(seen_by(shadows, placements, Visibility::tile, false, seen), expected);
+    EXPECT_EQ(shadows.lamps_kept(), placements.size());
+  };
+  see(all);
+  EXPECT_EQ(shadows.times_made(), 4);
+  see({all[1], all[3]});
+  see({all[3], all[1]});
+  EXPECT_EQ(shadows.times_made(), 4) << "the others stand where they stood";
+  see(all);
+  EXPECT_EQ(shadows.times_made(), 6) << "those that came back";
+  see({all[2], all[2]});
+  EXPECT_EQ(shadows.times_made(), 7) << "of two at one place each has its own";
+  Appearance appearance;
+  ASSERT_TRUE(shadows.see({}, geometry_, Visibility::tile, false, {}, {}, appearance));
+  EXPECT_EQ(shadows.lamps_kept(), 0U);
+  EXPECT_EQ(shadows.times_made(), 7) << "a count of what has been does not fall";
+}
 
 TEST_F(SceneShadowsTest, WhatAllLampsReceiversTakeIsBoundedTogether) {
   const auto placements = lamps(3);
