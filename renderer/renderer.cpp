@@ -139,7 +139,9 @@ Status Renderer::keep_cell(CellIndex cell, std::shared_ptr<const CellImage> imag
 Status Renderer::add_cell(CellIndex cell, std::shared_ptr<const CellImage> image) {
   const bool others = !impl_->waiting.empty();
   if (const Status kept = impl_->keep(cell, std::move(image)); !kept || others) return kept;
-  return impl_->sum(1);
+  if (const Status handed = impl_->hand_over(); !handed) return handed;
+  // Receivers that had to be handed over anew have all wait.
+  return impl_->method || impl_->waiting.size() == 1 ? impl_->sum(1) : Status{};
 }
 
 Status Renderer::add_all(const LightField& light_field) {
@@ -182,10 +184,7 @@ Result<Picture> Renderer::picture() {
 Result<Picture> Renderer::picture_so_far() {
   if (const Status handed = impl_->hand_over(); !handed) return tl::unexpected(handed.error());
   if (impl_->device)
-    if (const Status read =
-            impl_->device->read(impl_->irradiance).and_then([&] { return impl_->device->read_gloss(impl_->gloss); });
-        !read)
-      return tl::unexpected(read.error());
+    if (const Status read = impl_->read_sums(); !read) return tl::unexpected(read.error());
   const std::size_t pixels = impl_->gbuffer.position.size() / 4;
   Picture picture{impl_->gbuffer.width_px, impl_->gbuffer.height_px, std::vector<float>(3 * pixels),
                   std::vector<float>(pixels), left_out(impl_->visibility)};

@@ -47,7 +47,7 @@ class Renderer {
   Status set_visibility(Visibility visibility);
   Visibility visibility() const;
   /// Published shadows stand where the first cells of each tile had their light: from now on where all have it. All
-  /// cells wait.
+  /// cells wait. A cell that comes and gives tiles their first has none wait, but in a view with a level of detail.
   void refresh_shadows();
   /// How often shadow maps have been made. Shift-invariant has its own, one a cell, whatever tells shadows but `none`;
   /// without a luminaire that moves a cell's is made when it comes.

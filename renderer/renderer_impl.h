@@ -41,10 +41,12 @@ struct Renderer::Impl {
   std::vector<std::shared_ptr<const CellImage>> summed;  ///< as they are in the device's sums
   std::set<int> waiting;                                 ///< where cells and summed differ
   bool handed_over = false;                              ///< the device has the view's receivers
+  bool positions_wait = false;                           ///< a cell that is kept gives tiles published positions
   double receiver_s = 0;                                 ///< of the last cells: time for a cell and receiver
   std::size_t gloss_channels = 0;                        ///< of the receivers handed over
   std::vector<double> gloss;                             ///< as irradiance
   std::vector<double> irradiance;  ///< of additive methods as read last, of the others of the last evaluation
+  std::vector<double> irradiance_before, gloss_before;  ///< of cells summed before the device had its receivers
 
   Status need_luminaire() const {
     if (device || method) return {};
@@ -56,6 +58,7 @@ struct Renderer::Impl {
   void clear();
   Status check_memory() const;
   Status hand_over();
+  Status read_sums();
   Status see(const Receivers& seen, Appearance& appearance);
   Status set_spot_scene(const Receivers& seen);
   Result<LightField> kept_cells() const;

@@ -63,9 +63,10 @@ Result<TileVisibility> SceneShadows::by_maps(std::size_t number, const Pose& pos
                                              Visibility visibility, bool coarse, std::span<const float> p,
                                              std::span<const float> n) {
   Lamp& lamp = lamps_[std::min(number, most_kept - 1)];
+  const auto positions = positions_ ? std::optional(positions_->positions()) : std::nullopt;
   ShadowSettings settings = settings_of(visibility);
   // Fine maps that there are cost a coarse picture less than coarse ones that are to be made.
-  const bool fine = !coarse || (lamp.fine && lamp.fine->has(pose, geometry, settings, positions_));
+  const bool fine = !coarse || (lamp.fine && lamp.fine->has(pose, geometry, settings, positions));
   if (!fine) {
     settings.tiles_per_map = coarse_tiles;
     settings.map_px = coarse_px;
@@ -73,7 +74,7 @@ Result<TileVisibility> SceneShadows::by_maps(std::size_t number, const Pose& pos
   const auto shadows = shadows_of(fine ? lamp.fine : lamp.coarse);
   if (!shadows) return tl::unexpected(shadows.error());
   const int before = (*shadows)->times_made();
-  const Status set = (*shadows)->set(pose, geometry, settings, positions_);
+  const Status set = (*shadows)->set(pose, geometry, settings, positions);
   times_made_ += (*shadows)->times_made() - before;
   if (!set) return tl::unexpected(set.error());
   return (*shadows)->see(p, n);
@@ -91,21 +92,16 @@ Result<TileVisibility> SceneShadows::by_rays(const Pose& pose, const LuminaireGe
   return rays_->see_tiles(TileGrid(geometry.sampling), p, n);
 }
 
-void SceneShadows::take_positions(const LightField& light_field) {
-  TilePositions now = published_positions(light_field);
-  if (positions_ && positions_->grid == now.grid)
-    add_missing(*positions_, now);
-  else
-    positions_ = std::move(now);
+void SceneShadows::take_positions(const LuminaireGeometry& geometry,
+                                  std::span<const std::shared_ptr<const CellImage>> cells) {
+  if (!positions_ || positions_->positions().grid != TileGrid(geometry.sampling)) positions_.emplace(geometry);
+  positions_->take(cells);
 }
 
-bool SceneShadows::gives_position(const LuminaireGeometry& geometry, CellIndex cell) const {
-  const TileGrid grid(geometry.sampling);
-  if (!positions_ || !(positions_->grid == grid)) return true;
-  for (int row = cell.row; row < cell.row + grid.per_support; ++row)
-    for (int column = cell.column; column < cell.column + grid.per_support; ++column)
-      if (!positions_->at(column, row)) return true;
-  return false;
+bool SceneShadows::gives_position(const LuminaireGeometry& geometry, CellIndex cell,
+                                  const std::shared_ptr<const CellImage>& image) {
+  if (!positions_ || positions_->positions().grid != TileGrid(geometry.sampling)) return true;
+  return positions_->would_give(cell, image);
 }
 
 Status SceneShadows::see(const std::vector<ScenePlacement>& placements, const LuminaireGeometry& geometry,

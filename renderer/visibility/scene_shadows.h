@@ -35,12 +35,12 @@ class SceneShadows {
   Status see(const std::vector<ScenePlacement>& placements, const LuminaireGeometry& geometry, Visibility visibility,
              bool coarse, std::span<const float> p_xyzw, std::span<const float> face_xyzw, Appearance& appearance);
 
-  /// Gives published positions to tiles that have none.
-  void take_positions(const LightField& light_field);
+  /// Gives published positions to tiles that have none, of all cells (FirstPositions::take).
+  void take_positions(const LuminaireGeometry& geometry, std::span<const std::shared_ptr<const CellImage>> cells);
   /// The next ones are of the cells of then.
   void forget_positions() { positions_.reset(); }
-  /// Whether a cell gives a tile its first published position.
-  bool gives_position(const LuminaireGeometry& geometry, CellIndex cell) const;
+  /// Whether a cell's image gives a tile its first published position.
+  bool gives_position(const LuminaireGeometry& geometry, CellIndex cell, const std::shared_ptr<const CellImage>& image);
   const Mesh& mesh() const { return mesh_; }
   /// How often maps have been made, of all placements that there are or were.
   int times_made() const { return times_made_; }
@@ -66,7 +66,7 @@ class SceneShadows {
   std::unique_ptr<TileShadows> model_;  ///< that the lamps' share device and tools of; without maps
   std::vector<Lamp> lamps_;
   int times_made_ = 0;
-  std::optional<TilePositions> positions_;
+  std::optional<FirstPositions> positions_;
   std::optional<RayVisibility> rays_;  ///< of the last placement seen by rays
 };
 

@@ -218,6 +218,48 @@ TEST_F(RendererTest, PublishedShadowsStayWhereTheFirstCellsPutThemUntilRefreshed
   EXPECT_LT(difference(*anew->picture(), refreshed), 1e-12);
 }
 
+/// Each cell but the first and the last, which are dark, gives tiles their first position.
+TEST_F(RendererTest, UnderPublishedShadowsACellThatComesCostsOne) {
+  const Scene pillars = read_scene(LUMIFIELD_SOURCE_DIR "/resources/scenes/pillars/scene.json").value();
+  const LuminaireGeometry geometry = geometry_of({"Y"});
+  const auto dark = std::make_shared<const CellImage>(
+      CellImage{40, 30, 1, std::vector<float>(geometry.measurement.pixels(), 0.0F), {}, {}});
+  for (const double lod : {0.0, 1.0}) {
+    auto renderer = renderer_of(pillars, geometry);
+    ASSERT_TRUE(renderer->set_visibility(Visibility::published));
+    ASSERT_TRUE(renderer->set_view(pillars.camera, width, height, lod));
+    for (int k = 0; k < 6; ++k) {
+      const CellIndex cell = geometry.sampling.index(k);
+      const int made = renderer->shadow_maps_made();
+      const bool gives = k != 0 && k != 5;
+      ASSERT_TRUE(renderer->add_cell(cell, gives ? image_of(geometry, 60U + static_cast<unsigned>(k)) : dark));
+      EXPECT_EQ(renderer->shadow_maps_made(), made + (gives || k == 0)) << k;
+      if (lod > 0 && gives) {
+        EXPECT_EQ(renderer->waiting(), k + 1) << "coarse maps are shared by tiles, so all cells wait, it with them";
+        ASSERT_TRUE(renderer->picture());
+      }
+      EXPECT_EQ(renderer->waiting(), 0) << k;
+      EXPECT_EQ(renderer->summed(), k + 1);
+    }
+    // One that is taken again, and one that waits: the picture of the others stands.
+    ASSERT_TRUE(renderer->add_cell({0, 1}, image_of(geometry, 99)));
+    EXPECT_EQ(renderer->waiting(), 0);
+    const Picture before = *renderer->picture();
+    ASSERT_TRUE(renderer->keep_cell({1, 2}, image_of(geometry, 98)));
+    const Picture so_far = *renderer->picture_so_far();
+    if (lod == 0) {
+      EXPECT_LT(difference(before, so_far), 1e-12);
+    }
+
+    // As if all had come at once, with the positions that there are.
+    const Picture come = *renderer->picture();
+    EXPECT_GT(difference(before, come), 1e-3);
+    ASSERT_TRUE(renderer->set_view(pillars.camera, width, height, lod));
+    EXPECT_EQ(renderer->waiting(), 6);
+    EXPECT_LT(difference(*renderer->picture(), come), 1e-6) << lod;
+  }
+}
+
 TEST_F(RendererTest, PlacementsAddUpWithTheirScales) {
   scene_.luminaires.push_back({pose_of(-2.2, {1, 0.1, 0.3}, {-300, -200, 650}), 2.5});
   const LightField field = light_field_of(geometry_of({"R", "G", "B"}));

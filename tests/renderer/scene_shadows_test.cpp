@@ -104,7 +104,7 @@ TEST_F(SceneShadowsTest, EachLampsReceiversSeeAsWithItAlone) {
   const auto placements = lamps(3);
   const Seen seen(mesh_, placements, 700);
   SceneShadows shadows(*context_, mesh_);
-  shadows.take_positions(cells_);
+  shadows.take_positions(geometry_, images_by_cell(cells_));
   std::vector<std::uint32_t> tile, published, rays;
   for (std::size_t k = 0; k < placements.size(); ++k) {
     append(tile, alone(placements[k], seen.of_lamp[k], {}));
@@ -159,7 +159,7 @@ TEST_F(SceneShadowsTest, CoarseMapsStandInUntilThereAreFineOnes) {
     coarse.tiles_per_map = SceneShadows::coarse_tiles;
     coarse.map_px = SceneShadows::coarse_px;
     SceneShadows shadows(*context_, mesh_);
-    shadows.take_positions(cells_);
+    shadows.take_positions(geometry_, images_by_cell(cells_));
     const auto expect = [&](bool asked_coarse, const std::array<ShadowSettings, 2>& settings, int made,
                             const char* what) {
       const Seen seen(mesh_, placements, 300);
