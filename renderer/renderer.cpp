@@ -127,7 +127,7 @@ void Renderer::refresh_shadows() {
 }
 
 int Renderer::shadow_maps_made() const {
-  return impl_->shadows->times_made() + (impl_->spots ? impl_->spots->times_drawn() : 0);
+  return impl_->shadows->times_made() + impl_->spot_maps_before + (impl_->spots ? impl_->spots->times_drawn() : 0);
 }
 
 Status Renderer::hand_over() { return impl_->hand_over(); }

@@ -34,6 +34,7 @@ struct Renderer::Impl {
   MethodSettings settings;
   std::unique_ptr<RunningSums> device;    ///< of additive methods, else null
   ShiftInvariantDevice* spots = nullptr;  ///< the device where it is that
+  int spot_maps_before = 0;               ///< how often those before it made maps
   std::unique_ptr<DeviceMethod> method;   ///< of the others, else null
   std::optional<Error> no_opencl;         ///< why
   bool method_has_cells = false;

@@ -179,17 +179,20 @@ Result<std::unique_ptr<RunningSums>> Renderer::Impl::make_sums() {
 /// For the luminaire and the settings that are set.
 Status Renderer::Impl::make_method() {
   if (const Status there = need_opencl(); !there) return there;
+  std::unique_ptr<RunningSums> sums;
+  std::unique_ptr<DeviceMethod> others;
   if (is_additive(settings.method)) {
     auto made = make_sums();
     if (!made) return tl::unexpected(made.error());
-    device = std::move(*made);
-    method.reset();
+    sums = std::move(*made);
   } else {
     auto made = make_device_method(*geometry, settings);
     if (!made) return tl::unexpected(made.error());
-    method = std::move(*made);
-    device.reset();
+    others = std::move(*made);
   }
+  if (spots) spot_maps_before += spots->times_drawn();
+  device = std::move(sums);
+  method = std::move(others);
   spots = dynamic_cast<ShiftInvariantDevice*>(device.get());
   handed_over = method_has_cells = false;
   (spots ? info.opengl : info.opencl) = device ? device->device_name() : method->device_name();

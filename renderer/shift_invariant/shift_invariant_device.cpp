@@ -65,7 +65,7 @@ struct ShiftInvariantDevice::Impl {
   SpotVariant variant;
   std::size_t count = 0, gloss_channels = 0;
   bool has_receivers = false;
-  int lighting_passes = 0, depth_passes = 0;
+  int lighting_passes = 0, depth_passes = 0, times_drawn = 0;
   double last_kernel_s = 0;
 
   bool weighted() const { return settings.look_up == SpotLookUp::weighted; }
@@ -93,11 +93,7 @@ std::string ShiftInvariantDevice::device_name() const { return impl_->context.de
 double ShiftInvariantDevice::last_kernel_s() const { return impl_->last_kernel_s; }
 int ShiftInvariantDevice::lighting_passes() const { return impl_->lighting_passes; }
 int ShiftInvariantDevice::depth_passes() const { return impl_->depth_passes; }
-int ShiftInvariantDevice::times_drawn() const {
-  int times = 0;
-  for (const Part& part : impl_->parts) times += part.depths.times_drawn();
-  return times;
-}
+int ShiftInvariantDevice::times_drawn() const { return impl_->times_drawn; }
 
 Result<std::unique_ptr<ShiftInvariantDevice>> ShiftInvariantDevice::create(const LuminaireGeometry& geometry,
                                                                            const SpotSettings& settings) {
@@ -235,6 +231,7 @@ Status ShiftInvariantDevice::Impl::draw_maps(std::span<const CellIndex> cells) {
     SpotDepths& depths = parts[k].depths;
     const int before = depths.drawn();
     if (const Status drawn = depths.draw(*occluders, cells); !drawn) return drawn;
+    times_drawn += depths.drawn() > before;
     if (k == 0) depth_passes += depths.drawn() - before;
   }
   return {};
