@@ -33,15 +33,20 @@ ShadowTileMap map_of(const ShadowView& view, std::size_t number, const ShadowSet
           static_cast<int>(number * texels)};
 }
 
+/// Of all blocks from U, then of those from S, if any: where in the buffer each has its map. None: it has none.
+std::vector<std::optional<ShadowView>> places_of(const ShadowPlan& plan) {
+  std::vector<std::optional<ShadowView>> places;
+  for (const std::vector<int>& set : plan.maps_of)
+    for (const int view : set)
+      places.push_back(view < 0 ? std::nullopt : std::optional(plan.views[static_cast<std::size_t>(view)]));
+  return places;
+}
+
 std::vector<ShadowTileMap> maps_of(const ShadowPlan& plan, const ShadowSettings& settings) {
   ShadowTileMap none{};
   none.first = -1;
   std::vector<ShadowTileMap> maps;
-  for (const std::vector<int>& set : plan.maps_of)
-    for (const int view : set) {
-      const auto number = static_cast<std::size_t>(view);
-      maps.push_back(view < 0 ? none : map_of(plan.views[number], number, settings));
-    }
+  for (const auto& view : places_of(plan)) maps.push_back(view ? map_of(*view, maps.size(), settings) : none);
   return maps;
 }
 
@@ -63,17 +68,38 @@ struct TileShadows::Impl {
   std::optional<ShadowPlan> plan;  ///< of the maps that there are, with the pose and settings
   Pose pose;
   ShadowSettings settings;
-  int times_made = 0;
+  int times_made = 0, maps_drawn = 0;
   double last_kernel_s = 0;
 
-  Status make(const ShadowPlan& wanted);
+  Status make(const ShadowPlan& wanted, const std::optional<ShadowPlan>& there);
   ShadowTiles shared(std::size_t receivers) const;
 };
 
-Status TileShadows::Impl::make(const ShadowPlan& wanted) {
-  const Result<ShadowMaps> drawn = tools->pass->draw(pose, wanted.views, settings.map_px);
+/// Draws those that are not there.
+Status TileShadows::Impl::make(const ShadowPlan& wanted, const std::optional<ShadowPlan>& there) {
+  const auto places = places_of(wanted);
+  auto had = there ? places_of(*there) : decltype(places){};
+  if (had.size() != places.size()) had.assign(places.size(), std::nullopt);
+  std::vector<std::size_t> at;
+  std::vector<ShadowView> views;
+  for (std::size_t k = 0; k < places.size(); ++k)
+    if (places[k] && places[k] != had[k]) {
+      at.push_back(k);
+      views.push_back(*places[k]);
+    }
+  const Result<ShadowMaps> drawn = tools->pass->draw(pose, views, settings.map_px);
   if (!drawn) return tl::unexpected(drawn.error());
-  return tools->device->fill(depths, drawn->depth_mm, "shadow maps");
+  maps_drawn += static_cast<int>(views.size());
+
+  // As many places as before have the same buffer. Those side by side are written at once.
+  const std::size_t bytes = drawn->texels() * sizeof(float);
+  if (const Status room = tools->device->make_room(depths, places.size() * bytes, "shadow maps"); !room) return room;
+  for (std::size_t begin = 0, end = 0; begin < at.size(); begin = end) {
+    for (end = begin + 1; end < at.size() && at[end] == at[end - 1] + 1;) ++end;
+    const auto part = std::as_bytes(std::span(drawn->depth_mm)).subspan(begin * bytes, (end - begin) * bytes);
+    if (const Status written = tools->device->write(depths, at[begin] * bytes, part); !written) return written;
+  }
+  return {};
 }
 
 ShadowTiles TileShadows::Impl::shared(std::size_t receivers) const {
@@ -92,6 +118,7 @@ ShadowTiles TileShadows::Impl::shared(std::size_t receivers) const {
 TileShadows::TileShadows(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 TileShadows::~TileShadows() = default;
 int TileShadows::maps() const { return impl_->plan ? static_cast<int>(impl_->plan->views.size()) : 0; }
+int TileShadows::maps_drawn() const { return impl_->maps_drawn; }
 int TileShadows::times_made() const { return impl_->times_made; }
 double TileShadows::last_kernel_s() const { return impl_->last_kernel_s; }
 std::string TileShadows::device_name() const { return impl_->tools->device->name(); }
@@ -133,11 +160,11 @@ Status TileShadows::set(const Pose& pose, const LuminaireGeometry& geometry, con
   const std::optional<ShadowPlan> before = std::exchange(impl_->plan, std::nullopt);
   Result<ShadowPlan> plan = plan_shadows(geometry, settings, positions);
   if (!plan) return tl::unexpected(plan.error());
-  const bool same = before == *plan && impl_->pose == pose && impl_->settings.map_px == settings.map_px;
+  const bool alike = before && impl_->pose == pose && impl_->settings.map_px == settings.map_px;
   impl_->pose = pose;
   impl_->settings = settings;
-  if (!same) {
-    if (const Status made = impl_->make(*plan); !made) return made;
+  if (!alike || before != *plan) {
+    if (const Status made = impl_->make(*plan, alike ? before : std::nullopt); !made) return made;
     ++impl_->times_made;
   }
   const std::vector<ShadowTileMap> list = maps_of(*plan, settings);

@@ -28,8 +28,9 @@ class TileShadows {
   std::unique_ptr<TileShadows> another() const;
   ~TileShadows();
 
-  /// Makes the maps, unless those there are of this pose (luminaire → scene, rigid), luminaire and settings. After an
-  /// error there are none. Errors: those of plan_shadows, out of memory.
+  /// Makes the maps but those that are there of this pose (luminaire → scene, rigid), luminaire and settings: of
+  /// published ones all whose positions have not moved. After an error there are none. Errors: those of plan_shadows,
+  /// out of memory.
   Status set(const Pose& pose, const LuminaireGeometry& geometry, const ShadowSettings& settings,
              const std::optional<TilePositions>& positions = std::nullopt);
 
@@ -44,7 +45,8 @@ class TileShadows {
   /// Of the luminaire whose maps there are; none without maps.
   std::optional<Pose> pose() const;
   int maps() const;              ///< that there are
-  int times_made() const;        ///< how often maps have been made
+  int times_made() const;        ///< how often maps have been made, some or all
+  int maps_drawn() const;        ///< for that, in all
   double last_kernel_s() const;  ///< of the last see
   std::string device_name() const;
 

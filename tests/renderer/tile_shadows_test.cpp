@@ -215,6 +215,36 @@ TEST_F(TileShadowsTest, MapsAreMadeOnlyWhenSomethingHasChanged) {
   set(true, "again");
 }
 
+TEST_F(TileShadowsTest, OfPublishedMapsThoseAreDrawnWhosePositionIsAnother) {
+  std::vector<TestTriangle> triangles;
+  add_quad(triangles, {-900, -900, 900}, {1800, 0, 0}, {0, 1800, 0});
+  add_box(triangles, {-100, -100, 400}, {50, 100, 700});
+  const Mesh mesh = mesh_of(triangles);
+  const auto receivers = surface_receivers(mesh, Pose::Identity(), 500, 3);
+  const ShadowSettings settings{.position = ShadowPosition::published, .map_px = 64};
+  std::optional<TilePositions> positions = positions_on(bike);
+  for (const std::size_t k : {4U, 5U, 40U, 79U}) positions->on_s_mm[k] = std::nullopt;
+  const auto shadows = shadows_in(mesh);
+  int drawn = 0;
+  const auto set = [&](int more, const char* what) {
+    ASSERT_TRUE(shadows->set(Pose::Identity(), bike, settings, positions));
+    EXPECT_EQ(shadows->maps_drawn(), drawn += more) << what;
+    const auto anew = shadows_in(mesh);
+    ASSERT_TRUE(anew->set(Pose::Identity(), bike, settings, positions));
+    EXPECT_EQ(see(*shadows, receivers).words, see(*anew, receivers).words) << what;
+  };
+  set(80 + 65, "80 tiles, 15 without a position");
+  positions->on_s_mm[4] = Vec2(10, -5);
+  positions->on_s_mm[79] = Vec2(-30, 8);
+  set(2, "two get theirs");
+  positions->on_s_mm[7] = Vec2(1, 12);
+  positions->on_s_mm[8] = Vec2(2, 11);
+  positions->on_s_mm[60] = std::nullopt;
+  set(2, "two move, one goes");
+  positions = positions_on(bike);
+  set(7, "four move back, three come");
+}
+
 TEST_F(TileShadowsTest, SeveralLampsShareADeviceAndKeepTheirOwnMaps) {
   std::vector<TestTriangle> triangles;
   add_quad(triangles, {-900, -900, 900}, {1800, 0, 0}, {0, 1800, 0});
