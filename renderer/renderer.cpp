@@ -53,7 +53,6 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
     impl->environment_on = true;
     impl->info.has_environment = true;
   }
-  impl->info.notes.push_back("left out: " + left_out(impl->visibility, impl->environment_on));
   impl->materials = std::move(mesh->materials);
   mesh->textures.clear();  // the pass has its own
   impl->shadows = std::make_unique<SceneShadows>(**context, std::move(*mesh));
@@ -66,7 +65,11 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
   return renderer;
 }
 
-RendererInfo Renderer::info() const { return impl_->info; }
+RendererInfo Renderer::info() const {
+  RendererInfo info = impl_->info;
+  info.notes.push_back("left out: " + left_out(impl_->visibility, impl_->environment_on));
+  return info;
+}
 
 Status Renderer::set_luminaire(const LuminaireGeometry& geometry) {
   if (geometry.channels.size() != 1 && geometry.channels.size() != 3)
@@ -77,7 +80,7 @@ Status Renderer::set_luminaire(const LuminaireGeometry& geometry) {
     return made;
   }
   impl_->cells.assign(static_cast<std::size_t>(geometry.sampling.cells()), nullptr);
-  impl_->shadows->forget_luminaire();
+  impl_->shadows->forget_positions();
   impl_->receiver_s = 0;
   impl_->clear();
   return {};
@@ -141,7 +144,7 @@ void Renderer::refresh_shadows() {
 }
 
 int Renderer::shadow_maps_made() const {
-  return impl_->shadows->times_made() + (impl_->spots ? impl_->spots->times_drawn() : 0);
+  return impl_->shadows->times_made() + impl_->spot_maps_before + (impl_->spots ? impl_->spots->times_drawn() : 0);
 }
 
 Status Renderer::hand_over() { return impl_->hand_over(); }
@@ -153,7 +156,9 @@ Status Renderer::keep_cell(CellIndex cell, std::shared_ptr<const CellImage> imag
 Status Renderer::add_cell(CellIndex cell, std::shared_ptr<const CellImage> image) {
   const bool others = !impl_->waiting.empty();
   if (const Status kept = impl_->keep(cell, std::move(image)); !kept || others) return kept;
-  return impl_->sum(1);
+  if (const Status handed = impl_->hand_over(); !handed) return handed;
+  // Receivers that had to be handed over anew have all wait.
+  return impl_->method || impl_->waiting.size() == 1 ? impl_->sum(1) : Status{};
 }
 
 Status Renderer::add_all(const LightField& light_field) {
@@ -196,10 +201,7 @@ Result<Picture> Renderer::picture() {
 Result<Picture> Renderer::picture_so_far() {
   if (const Status handed = impl_->hand_over(); !handed) return tl::unexpected(handed.error());
   if (impl_->device)
-    if (const Status read =
-            impl_->device->read(impl_->irradiance).and_then([&] { return impl_->device->read_gloss(impl_->gloss); });
-        !read)
-      return tl::unexpected(read.error());
+    if (const Status read = impl_->read_sums(); !read) return tl::unexpected(read.error());
   const std::size_t pixels = impl_->gbuffer.position.size() / 4;
   Picture picture{impl_->gbuffer.width_px, impl_->gbuffer.height_px, std::vector<float>(3 * pixels),
                   std::vector<float>(pixels), left_out(impl_->visibility, impl_->environment_on)};

@@ -55,7 +55,7 @@ class Renderer {
   /// have it. A picture does what is left.
   bool surround(double seconds);
   /// Published shadows stand where the first cells of each tile had their light: from now on where all have it. All
-  /// cells wait.
+  /// cells wait. A cell that comes and gives tiles their first has none wait, but in a view with a level of detail.
   void refresh_shadows();
   /// How often shadow maps have been made. Shift-invariant has its own, one a cell, whatever tells shadows but `none`;
   /// without a luminaire that moves a cell's is made when it comes.
@@ -65,7 +65,8 @@ class Renderer {
   /// computed together, in pieces of receivers. Errors: settings outside their range, a method that this device or
   /// luminaire cannot take, one of OpenCL where there is none; then all stays.
   Status set_method(const MethodSettings& settings);
-  /// Hands the view's receivers to the device, unless it has them: what sums or reads would do first.
+  /// Hands the view's receivers to the device, unless it has them: what sums or reads would do first. Errors: more of
+  /// them, one for each pixel and placement, than fit into half of the machine's memory; the device's.
   Status hand_over();
 
   /// Adds or replaces one cell; the image is kept for changes of view. Where others wait, it waits with them. After an

@@ -25,7 +25,7 @@ struct Renderer::Impl {
   Visibility visibility = Visibility::tile;
   std::vector<Material> materials;
   std::vector<ScenePlacement> placements;
-  RendererInfo info;
+  RendererInfo info;  ///< without what the visibility leaves out
   GBuffer gbuffer;
   Vec3 eye_mm{0, 0, 0};                           ///< that sees it
   std::unique_ptr<EnvironmentLight> environment;  ///< the scene's, or null
@@ -38,6 +38,7 @@ struct Renderer::Impl {
   MethodSettings settings;
   std::unique_ptr<RunningSums> device;    ///< of additive methods, else null
   ShiftInvariantDevice* spots = nullptr;  ///< the device where it is that
+  int spot_maps_before = 0;               ///< how often those before it made maps
   std::unique_ptr<DeviceMethod> method;   ///< of the others, else null
   std::optional<Error> no_opencl;         ///< why
   bool method_has_cells = false;
@@ -45,10 +46,12 @@ struct Renderer::Impl {
   std::vector<std::shared_ptr<const CellImage>> summed;  ///< as they are in the device's sums
   std::set<int> waiting;                                 ///< where cells and summed differ
   bool handed_over = false;                              ///< the device has the view's receivers
+  bool positions_wait = false;                           ///< a cell that is kept gives tiles published positions
   double receiver_s = 0;                                 ///< of the last cells: time for a cell and receiver
   std::size_t gloss_channels = 0;                        ///< of the receivers handed over
   std::vector<double> gloss;                             ///< as irradiance
   std::vector<double> irradiance;  ///< of additive methods as read last, of the others of the last evaluation
+  std::vector<double> irradiance_before, gloss_before;  ///< of cells summed before the device had its receivers
 
   Status need_luminaire() const {
     if (device || method) return {};
@@ -59,7 +62,9 @@ struct Renderer::Impl {
   }
   bool surround(double seconds);
   void clear();
+  Status check_memory() const;
   Status hand_over();
+  Status read_sums();
   Status see(const Receivers& seen, Appearance& appearance);
   Status set_spot_scene(const Receivers& seen);
   Result<LightField> kept_cells() const;

@@ -4,8 +4,10 @@
 #include <utility>
 
 #include "renderer/methods/closed_form_shared.h"
+#include "renderer/methods/table_memory.h"
 #include "renderer/renderer_impl.h"
 #include "renderer/shading.h"
+#include "renderer/view_memory.h"
 
 namespace lumifield {
 
@@ -27,15 +29,45 @@ bool Renderer::Impl::surround(double seconds) {
 /// All cells wait.
 void Renderer::Impl::clear() {
   handed_over = false;
+  irradiance_before.clear();
+  gloss_before.clear();
   summed.assign(cells.size(), nullptr);
   waiting.clear();
   for (std::size_t k = 0; k < cells.size(); ++k)
     if (cells[k]) waiting.insert(static_cast<int>(k));
 }
 
+/// Before any of it is taken.
+Status Renderer::Impl::check_memory() const {
+  const bool glossy = std::ranges::any_of(materials, [](const Material& m) { return m.lobe != LOBE_NONE; });
+  std::size_t each = 3 * 4 * sizeof(float) + sizeof(Receiver) + geometry->channels.size() * sizeof(double);
+  if (glossy) each += sizeof(GlossLobe) + 3 * sizeof(double);
+  if (visibility != Visibility::none && !spots) each += visibility_bytes(*geometry, visibility);
+  return check_view_memory("receivers", gbuffer.position.size() / 4, placements.size(), each, host_memory_bytes());
+}
+
+/// Of additive methods: all that is summed.
+Status Renderer::Impl::read_sums() {
+  if (const Status read = device->read(irradiance); !read) return read;
+  if (const Status read = device->read_gloss(gloss); !read) return read;
+  for (std::size_t k = 0; k < irradiance_before.size(); ++k) irradiance[k] += irradiance_before[k];
+  for (std::size_t k = 0; k < gloss_before.size(); ++k) gloss[k] += gloss_before[k];
+  return {};
+}
+
 Status Renderer::Impl::hand_over() {
-  if (const Status ready = need_luminaire(); !ready || handed_over) return ready;
-  clear();
+  if (const Status ready = need_luminaire(); !ready || (handed_over && !positions_wait)) return ready;
+  if (const Status fits = check_memory(); !fits) return fits;
+  // Tiles that get their first position change what is seen of cells to come alone (FirstPositions): sums go on.
+  // Coarse maps are shared by tiles.
+  if (handed_over && device && lod == 0) {
+    if (const Status read = read_sums(); !read) return read;
+    handed_over = false;
+    irradiance_before = irradiance;
+    gloss_before = gloss;
+  } else {
+    clear();
+  }
   const Receivers seen = receivers_of(gbuffer, placements);
   Appearance appearance;
   appearance.gloss = lobes_of(gbuffer, materials, placements, eye_mm);
@@ -46,22 +78,20 @@ Status Renderer::Impl::hand_over() {
     irradiance.assign(seen.p.size() / 4 * geometry->channels.size(), 0.0);
     const Status set = method->set_receivers(as_receivers(seen), std::move(appearance));
     handed_over = set.has_value();
+    positions_wait = false;
     return set;
   }
   if (auto* closed_form = dynamic_cast<ClosedFormDevice*>(device.get()))
     if (const Status detailed = closed_form->set_lod(lod); !detailed) return detailed;
   const Status set = device->set_receivers(seen.p, seen.n, appearance);
   handed_over = set.has_value();
+  positions_wait = false;
   return set;
 }
 
 /// What the receivers see of the luminaires, by their faces.
 Status Renderer::Impl::see(const Receivers& seen, Appearance& appearance) {
-  if (visibility == Visibility::published) {
-    const auto kept = kept_cells();
-    if (!kept) return tl::unexpected(kept.error());
-    shadows->take_positions(*kept);
-  }
+  if (visibility == Visibility::published) shadows->take_positions(*geometry, cells);
   return shadows->see(placements, *geometry, visibility, lod > 0, seen.p, seen.face, appearance);
 }
 
@@ -77,7 +107,8 @@ Status Renderer::Impl::keep(CellIndex cell, std::shared_ptr<const CellImage> ima
   if (const Status ready = need_luminaire(); !ready) return ready;
   if (!image) return fail("comes without an image", "cell " + to_string(cell), "measure the cell again");
   if (const Status fits = check_cell(*geometry, cell, *image); !fits) return fits;
-  if (!spots && visibility == Visibility::published && shadows->gives_position(*geometry, cell)) handed_over = false;
+  if (!spots && visibility == Visibility::published && shadows->gives_position(*geometry, cell, image))
+    positions_wait = true;
   const int flat = geometry->sampling.flat(cell);
   cells[static_cast<std::size_t>(flat)] = std::move(image);
   if (method) {
@@ -163,17 +194,20 @@ Result<std::unique_ptr<RunningSums>> Renderer::Impl::make_sums() {
 /// For the luminaire and the settings that are set.
 Status Renderer::Impl::make_method() {
   if (const Status there = need_opencl(); !there) return there;
+  std::unique_ptr<RunningSums> sums;
+  std::unique_ptr<DeviceMethod> others;
   if (is_additive(settings.method)) {
     auto made = make_sums();
     if (!made) return tl::unexpected(made.error());
-    device = std::move(*made);
-    method.reset();
+    sums = std::move(*made);
   } else {
     auto made = make_device_method(*geometry, settings);
     if (!made) return tl::unexpected(made.error());
-    method = std::move(*made);
-    device.reset();
+    others = std::move(*made);
   }
+  if (spots) spot_maps_before += spots->times_drawn();
+  device = std::move(sums);
+  method = std::move(others);
   spots = dynamic_cast<ShiftInvariantDevice*>(device.get());
   handed_over = method_has_cells = false;
   (spots ? info.opengl : info.opencl) = device ? device->device_name() : method->device_name();

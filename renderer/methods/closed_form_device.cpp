@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <optional>
 
@@ -26,19 +25,9 @@ std::span<const std::byte> bytes_of(const std::vector<T>& values) {
   return std::as_bytes(std::span(values));
 }
 
-/// The first receiver that is not all finite.
-std::optional<std::size_t> first_not_finite(const std::vector<ClosedFormReceiver>& all) {
-  std::atomic<std::size_t> first = all.size();
-  in_bands(all.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const ClosedFormReceiver& r = all[k];
-      // A product with 0 is 0 unless a factor is NaN or Inf.
-      if ((r.p_x * 0 + r.p_y * 0 + r.p_z * 0) + (r.n_x * 0 + r.n_y * 0 + r.n_z * 0) == 0) continue;
-      for (std::size_t least = first; k < least && !first.compare_exchange_weak(least, k);) continue;
-      return;
-    }
-  });
-  return first < all.size() ? std::optional<std::size_t>(first) : std::nullopt;
+/// A product with 0 is 0 unless a factor is NaN or Inf.
+bool is_not_finite(const ClosedFormReceiver& r) {
+  return (r.p_x * 0 + r.p_y * 0 + r.p_z * 0) + (r.n_x * 0 + r.n_y * 0 + r.n_z * 0) != 0;
 }
 
 }  // namespace
@@ -128,7 +117,7 @@ Status ClosedFormDevice::set_lod(double pixels_per_support) {
 }
 
 Status ClosedFormDevice::Impl::take_receivers(std::vector<ClosedFormReceiver>& all, const Appearance& appearance) {
-  if (const auto bad = first_not_finite(all))
+  if (const auto bad = first_where(all.size(), [&](std::size_t k) { return is_not_finite(all[k]); }))
     return fail("has NaN or Inf", "receiver " + std::to_string(*bad), "give finite numbers");
   if (all.size() > std::size_t(1) << 30) return fail("more than 2^30 receivers", "receivers", "render in parts");
   shared.receivers = 0;  // until these are there

@@ -23,15 +23,6 @@ std::array<double, 3> lobe_towards(const GlossLobe& lobe, const Receiver& at, co
   return glossy_brdf(lobe, at.n, (Vec3(u_mm.x(), u_mm.y(), 0) - at.p_mm).normalized());
 }
 
-/// Of a cell's tiles.
-double mean_share(const TileVisibility& visible, std::size_t receiver, CellIndex cell) {
-  const int n = visible.grid.per_support;
-  int seen = 0;
-  for (int row = cell.row; row < cell.row + n; ++row)
-    for (int column = cell.column; column < cell.column + n; ++column) seen += visible.sees(receiver, column, row);
-  return static_cast<double>(seen) / (n * n);
-}
-
 /// Sums over the pixels that a support shows, by channel.
 struct SupportSums {
   double w00 = 0;         ///< C W0 W0
@@ -137,7 +128,7 @@ ShiftInvariant::Spot ShiftInvariant::spot(const View& view, const Cell& cell) co
 
 double ShiftInvariant::seen_share(const Look& look, const Cell& cell) const {
   if (look.sees) return look.sees(cell.u_mm) ? 1 : 0;
-  return look.visible ? mean_share(*look.visible, look.receiver, cell.index) : 1;
+  return look.visible ? look.visible->mean_share(look.receiver, cell.index) : 1;
 }
 
 Result<std::vector<double>> ShiftInvariant::light(const Receiver& receiver, std::uint32_t, const Look& look) const {

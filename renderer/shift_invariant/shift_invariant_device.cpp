@@ -1,7 +1,6 @@
 #include "renderer/shift_invariant/shift_invariant_device.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <epoxy/gl.h>
@@ -26,20 +25,8 @@ struct Part {
   SpotDepths depths;
 };
 
-/// Of fours of floats, the first that has NaN or Inf in three.
-std::optional<std::size_t> first_not_finite(std::span<const float> p, std::span<const float> n) {
-  std::atomic<std::size_t> first = p.size() / 4;
-  in_bands(p.size() / 4, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      // A product with 0 is 0 unless a factor is NaN or Inf.
-      const float *a = p.data() + 4 * k, *b = n.data() + 4 * k;
-      if ((a[0] * 0 + a[1] * 0 + a[2] * 0) + (b[0] * 0 + b[1] * 0 + b[2] * 0) == 0) continue;
-      for (std::size_t least = first; k < least && !first.compare_exchange_weak(least, k);) continue;
-      return;
-    }
-  });
-  return first < p.size() / 4 ? std::optional<std::size_t>(first) : std::nullopt;
-}
+/// Of the first three. A product with 0 is 0 unless a factor is NaN or Inf.
+bool is_not_finite(std::span<const float> v) { return v[0] * 0 + v[1] * 0 + v[2] * 0 != 0; }
 
 std::vector<double> numbers_of(std::span<const float> p, std::span<const float> n) {
   std::vector<double> numbers(p.size() / 4 * 6);
@@ -78,7 +65,7 @@ struct ShiftInvariantDevice::Impl {
   SpotVariant variant;
   std::size_t count = 0, gloss_channels = 0;
   bool has_receivers = false;
-  int lighting_passes = 0, depth_passes = 0;
+  int lighting_passes = 0, depth_passes = 0, times_drawn = 0;
   double last_kernel_s = 0;
 
   bool weighted() const { return settings.look_up == SpotLookUp::weighted; }
@@ -106,11 +93,7 @@ std::string ShiftInvariantDevice::device_name() const { return impl_->context.de
 double ShiftInvariantDevice::last_kernel_s() const { return impl_->last_kernel_s; }
 int ShiftInvariantDevice::lighting_passes() const { return impl_->lighting_passes; }
 int ShiftInvariantDevice::depth_passes() const { return impl_->depth_passes; }
-int ShiftInvariantDevice::times_drawn() const {
-  int times = 0;
-  for (const Part& part : impl_->parts) times += part.depths.times_drawn();
-  return times;
-}
+int ShiftInvariantDevice::times_drawn() const { return impl_->times_drawn; }
 
 Result<std::unique_ptr<ShiftInvariantDevice>> ShiftInvariantDevice::create(const LuminaireGeometry& geometry,
                                                                            const SpotSettings& settings) {
@@ -181,8 +164,9 @@ Status ShiftInvariantDevice::Impl::take(std::span<const float> p, std::span<cons
                                         std::span<const double> numbers, const Appearance& appearance) {
   has_receivers = false;
   const std::size_t all = p.size() / 4;
-  if (const auto bad = first_not_finite(p, n))
-    return fail("has NaN or Inf", "receiver " + std::to_string(*bad), "give finite numbers");
+  const auto bad = first_where(
+      all, [&](std::size_t k) { return is_not_finite(p.subspan(4 * k)) || is_not_finite(n.subspan(4 * k)); });
+  if (bad) return fail("has NaN or Inf", "receiver " + std::to_string(*bad), "give finite numbers");
   if (const Status good = check_appearance(appearance, grid, all); !good) return good;
   const bool shadows = !scene.face_xyzw.empty();
   const std::size_t placements = std::max<std::size_t>(scene.poses.size(), 1);
@@ -247,6 +231,7 @@ Status ShiftInvariantDevice::Impl::draw_maps(std::span<const CellIndex> cells) {
     SpotDepths& depths = parts[k].depths;
     const int before = depths.drawn();
     if (const Status drawn = depths.draw(*occluders, cells); !drawn) return drawn;
+    times_drawn += depths.drawn() > before;
     if (k == 0) depth_passes += depths.drawn() - before;
   }
   return {};

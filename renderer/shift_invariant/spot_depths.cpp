@@ -70,7 +70,6 @@ Status SpotDepths::draw(ShadowMapPass& pass, std::span<const CellIndex> cells) {
   const Result<ShadowMaps> maps = pass.draw(*pose_, views, map_px_);
   if (!maps) return failed(maps.error());
   drawn_ += static_cast<int>(views.size());
-  ++times_drawn_;
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D_ARRAY, texture_.id());
   for (std::size_t k = 0; k < flats.size(); ++k)

@@ -30,9 +30,8 @@ class SpotDepths {
   Status draw(ShadowMapPass& pass, std::span<const CellIndex> cells);
   void forget();
   void bind(int unit);
-  /// Maps drawn, in all, and how often some were.
+  /// Maps drawn, in all.
   int drawn() const { return drawn_; }
-  int times_drawn() const { return times_drawn_; }
 
  private:
   Status make_room();
@@ -41,7 +40,7 @@ class SpotDepths {
   LuminaireGeometry geometry_;
   int map_px_ = 0;
   std::vector<bool> there_;  ///< by Sampling::flat
-  int drawn_ = 0, times_drawn_ = 0;
+  int drawn_ = 0;
   GlTexture texture_;
 };
 

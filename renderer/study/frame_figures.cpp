@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "renderer/methods/image_sampler_device.h"
 #include "renderer/shading.h"
@@ -37,7 +38,7 @@ class Frame {
 
   /// `moved_mm`: all luminaires along x of the scene, so that shadow maps are made for them.
   Status prepare(int width_px, int height_px, double moved_mm);
-  /// Of a method that has nothing yet: kernel time. What it hands over and shows is in `hand_over_s` and `show_s`.
+  /// Of a method that has nothing yet: kernel time. What it hands over and shows is in `times`, the kernel's is not.
   Result<double> light(DeviceMethod& method, double each_s);
   Result<double> step(SamplingSteps steps) {
     auto method = ImageSamplerDevice::create(light_field_.geometry(), {.method = Method::position_dependent}, steps);
@@ -50,8 +51,7 @@ class Frame {
     return light(**method, HUGE_VAL);
   }
 
-  double gbuffer_s = 0, receivers_s = 0, shadows_s = 0, hand_over_s = 0, show_s = 0;
-  double host_s() const { return gbuffer_s + receivers_s + shadows_s + hand_over_s + show_s; }
+  FrameTimes times;
 
  private:
   StudyCamera& camera_;
@@ -70,14 +70,14 @@ Status Frame::prepare(int width_px, int height_px, double moved_mm) {
   auto gbuffer = camera_.pass().draw(scene.camera, width_px, height_px);
   if (!gbuffer) return tl::unexpected(gbuffer.error());
   gbuffer_ = std::move(*gbuffer);
-  gbuffer_s = watch.lap_s();
+  times.gbuffer_s = watch.lap_s();
   const Receivers seen = receivers_of(gbuffer_, scene.luminaires);
   receivers_ = as_receivers(seen);
   appearance_.gloss = lobes_of(gbuffer_, camera_.materials(), scene.luminaires, scene.camera.position_mm);
-  receivers_s = watch.lap_s();
+  times.receivers_s = watch.lap_s();
   const Status there = camera_.shadows().see(scene.luminaires, light_field_.geometry(), Visibility::tile, false, seen.p,
                                              seen.face, appearance_);
-  shadows_s = watch.lap_s();
+  times.shadows_s = watch.lap_s();
   return there;
 }
 
@@ -85,7 +85,7 @@ Result<double> Frame::light(DeviceMethod& method, double each_s) {
   if (const Status set = method.set_cells(light_field_); !set) return tl::unexpected(set.error());
   Watch watch;
   if (const Status set = method.set_receivers(receivers_, appearance_); !set) return tl::unexpected(set.error());
-  hand_over_s = watch.lap_s();
+  times.hand_over_s = watch.lap_s();
   for (bool all = false; !all;) {
     if (!progress_(0, luminaire_.name + ", a whole frame")) return study_stopped();
     const auto done = method.evaluate(each_s);
@@ -104,11 +104,31 @@ Result<double> Frame::light(DeviceMethod& method, double each_s) {
   shade(gbuffer_, camera_.materials(), camera_.scene().luminaires,
         {irradiance, light_field_.geometry().channels.size(), gloss, method.gloss_channels()}, {}, picture);
   tone_map(picture, {});
-  show_s = watch.lap_s();
+  times.show_s = watch.lap_s();
   return method.kernel_s();
 }
 
+constexpr const char* figure = "Fig. 10";
+constexpr const char* rate = "frames/s";
+
 }  // namespace
+
+std::vector<FigureRow> frame_rows(const FrameTimes& times, const std::string& luminaire, const std::string& size) {
+  std::vector<FigureRow> rows;
+  const auto share = [&](const char* what, double s, double paper) {
+    rows.push_back(
+        {figure, luminaire, size + what, "share of the frame, K = 200, %", 100 * s / times.frame_s(), paper});
+  };
+  share("the balance A_m", times.balance_s, 5.3);
+  share("drawing samples", times.drawn_s - times.balance_s, 33.6);
+  share("weighing and summing them (paper: shading)", times.kernel_s - times.drawn_s, 31.9);
+  share("reading the sums, shading, tone mapping (paper: accumulation)", times.show_s, 16.2);
+  share("shadows: maps and tests", times.shadows_s, 9.2);
+  share("G-buffer, receivers, handing over (paper: other)", times.gbuffer_s + times.receivers_s + times.hand_over_s,
+        3.8);
+  rows.push_back({figure, luminaire, size + "position-dependent, K = 200", rate, 1 / times.frame_s(), 9});
+  return rows;
+}
 
 Result<std::vector<FigureRow>> frame_figures(StudyCamera& camera, const StudyLuminaire& luminaire, bool quick,
                                              const StudyProgress& progress) {
@@ -118,35 +138,22 @@ Result<std::vector<FigureRow>> frame_figures(StudyCamera& camera, const StudyLum
   for (const double moved_mm : {1.0, 0.0})
     if (const Status prepared = frame.prepare(width, height, moved_mm); !prepared)
       return tl::unexpected(prepared.error());
-  const auto balance = frame.step(SamplingSteps::balance);
-  const auto drawn = balance.and_then([&](double) { return frame.step(SamplingSteps::draws); });
-  const auto kernel = drawn.and_then([&](double) { return frame.step(SamplingSteps::all); });
-  if (!kernel) return tl::unexpected(kernel.error());
-  const double sampled_s = frame.host_s() + *kernel;
-
-  std::vector<FigureRow> rows;
+  for (const auto& [steps, took_s] : {std::pair(SamplingSteps::balance, &frame.times.balance_s),
+                                      {SamplingSteps::draws, &frame.times.drawn_s},
+                                      {SamplingSteps::all, &frame.times.kernel_s}}) {
+    const auto took = frame.step(steps);
+    if (!took) return tl::unexpected(took.error());
+    *took_s = *took;
+  }
   const std::size_t count = camera.scene().luminaires.size();
   const std::string size = std::to_string(width) + "x" + std::to_string(height) + ", " + std::to_string(count) +
                            (count == 1 ? " luminaire: " : " luminaires: ");
-  const auto add = [&](const std::string& what, const char* quantity, double ours, double paper) {
-    rows.push_back({"Fig. 10", luminaire.name, size + what, quantity, ours, paper});
-  };
-  const auto share = [&](const char* what, double s, double paper) {
-    add(what, "share of the frame, K = 200, %", 100 * s / sampled_s, paper);
-  };
-  share("the balance A_m", *balance, 5.3);
-  share("drawing samples", *drawn - *balance, 33.6);
-  share("weighing and summing them (paper: shading)", *kernel - *drawn, 31.9);
-  share("reading the sums, shading, tone mapping (paper: accumulation)", frame.show_s, 16.2);
-  share("shadows: maps and tests", frame.shadows_s, 9.2);
-  share("G-buffer, receivers, handing over (paper: other)", frame.gbuffer_s + frame.receivers_s + frame.hand_over_s,
-        3.8);
-  constexpr const char* rate = "frames/s";
-  add("position-dependent, K = 200", rate, 1 / sampled_s, 9);
+  std::vector<FigureRow> rows = frame_rows(frame.times, luminaire.name, size);
   for (const double lod : {0.0, 8.0}) {
     const auto took = frame.closed_form(lod);
     if (!took) return tl::unexpected(took.error());
-    add(lod == 0 ? "closed-form, exact" : "closed-form, T = 8", rate, 1 / (frame.host_s() + *took), none);
+    rows.push_back({figure, luminaire.name, size + (lod == 0 ? "closed-form, exact" : "closed-form, T = 8"), rate,
+                    1 / (frame.times.host_s() + *took), none});
   }
   return rows;
 }

@@ -117,7 +117,7 @@ Result<StudyFrame> StudyCamera::frame(int width_px, int height_px, const LightFi
   const Receivers seen = receivers_of(frame.gbuffer, placements);
   if (look.visibility == Visibility::published) {
     shadows_->forget_positions();
-    shadows_->take_positions(light_field);
+    shadows_->take_positions(light_field.geometry(), images_by_cell(light_field));
   }
   const LuminaireGeometry& geometry = light_field.geometry();
   if (const Status there =

@@ -1,10 +1,11 @@
 #include "renderer/visibility/ray_visibility.h"
 
+#include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <embree3/rtcore.h>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "renderer/bands.h"
 #include "renderer/visibility/shadow_mesh.h"
@@ -21,38 +22,37 @@ tl::unexpected<Error> failed(RTCError code) {
 
 }  // namespace
 
-struct RayVisibility::Impl {
-  Impl() = default;
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
-  ~Impl() {
+/// Of a scene, in its frame.
+struct RayVisibility::Tree {
+  Tree() = default;
+  Tree(const Tree&) = delete;
+  Tree& operator=(const Tree&) = delete;
+  ~Tree() {
     if (scene) rtcReleaseScene(scene);
     if (device) rtcReleaseDevice(device);
   }
 
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
-  double offset_mm = 0;
+  Vec3 low_mm{0, 0, 0}, high_mm{0, 0, 0};  ///< of all vertices
 
-  Status build(const ShadowMesh& mesh, const Pose& pose);
+  Status build(const ShadowMesh& mesh);
 };
 
-Status RayVisibility::Impl::build(const ShadowMesh& mesh, const Pose& pose) {
+Status RayVisibility::Tree::build(const ShadowMesh& mesh) {
   // One thread: what the machine's others do is not Embree's to say.
   device = rtcNewDevice("threads=1");
   if (!device) return failed(rtcGetDeviceError(nullptr));
   scene = rtcNewScene(device);
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-  double largest = 0;
-  const std::vector<PlacedVertex> placed = placed_vertices(mesh, pose);
   if (!mesh.corners.empty()) {
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                 3 * sizeof(float), placed.size()));
+                                                                 3 * sizeof(float), mesh.vertices.size()));
     auto* corners = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), mesh.triangles()));
     if (vertices && corners) {
-      for (std::size_t k = 0; k < placed.size(); ++k) std::ranges::copy(placed[k].position, vertices + 3 * k);
+      for (std::size_t k = 0; k < mesh.vertices.size(); ++k) std::ranges::copy(mesh.vertices[k], vertices + 3 * k);
       std::ranges::copy(mesh.corners, corners);
       rtcCommitGeometry(geometry);
       rtcAttachGeometry(scene, geometry);
@@ -62,29 +62,38 @@ Status RayVisibility::Impl::build(const ShadowMesh& mesh, const Pose& pose) {
   rtcCommitScene(scene);
   if (const RTCError code = rtcGetDeviceError(device); code != RTC_ERROR_NONE) return failed(code);
 
-  for (std::size_t k = 0; k < placed.size(); ++k)
-    for (std::size_t i = 0; i < 3; ++i)
-      largest = std::max({largest, std::abs(double(placed[k].position[i])), std::abs(double(mesh.vertices[k][i]))});
-  offset_mm = 16 * largest * std::numeric_limits<float>::epsilon();
+  for (std::size_t k = 0; k < mesh.vertices.size(); ++k) {
+    const Vec3 p = Eigen::Map<const Eigen::Vector3f>(mesh.vertices[k].data()).cast<double>();
+    low_mm = k == 0 ? p : Vec3(low_mm.cwiseMin(p));
+    high_mm = k == 0 ? p : Vec3(high_mm.cwiseMax(p));
+  }
   return {};
 }
 
-RayVisibility::RayVisibility(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-RayVisibility::RayVisibility(RayVisibility&&) noexcept = default;
-RayVisibility& RayVisibility::operator=(RayVisibility&&) noexcept = default;
-RayVisibility::~RayVisibility() = default;
-double RayVisibility::offset_mm() const { return impl_->offset_mm; }
+RayVisibility::RayVisibility(std::shared_ptr<const Tree> tree, const Pose& pose) : tree_(std::move(tree)), pose_(pose) {
+  const Pose to_luminaire = pose.inverse();
+  double largest = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 p;
+    for (int i = 0; i < 3; ++i) p[i] = (corner >> i & 1 ? tree_->high_mm : tree_->low_mm)[i];
+    const Vec3 seen = transform_point(to_luminaire, p);
+    largest = std::max({largest, p.cwiseAbs().maxCoeff(), seen.cwiseAbs().maxCoeff()});
+  }
+  offset_mm_ = 16 * largest * std::numeric_limits<float>::epsilon();
+}
 
 Result<RayVisibility> RayVisibility::create(const Mesh& mesh, const Pose& pose) {
-  auto impl = std::make_unique<Impl>();
-  if (const Status built = impl->build(ShadowMesh(mesh), pose); !built) return tl::unexpected(built.error());
-  return RayVisibility(std::move(impl));
+  auto tree = std::make_shared<Tree>();
+  if (const Status built = tree->build(ShadowMesh(mesh)); !built) return tl::unexpected(built.error());
+  return RayVisibility(std::move(tree), pose);
 }
+
+RayVisibility RayVisibility::at(const Pose& pose) const { return {tree_, pose}; }
 
 bool RayVisibility::sees(const Vec3& p_mm, const Vec3& face_n, const Vec3& u_mm) const {
   const double side = face_n.dot(u_mm - p_mm) < 0 ? -1 : 1;
-  const Vec3 from = p_mm + side * impl_->offset_mm * face_n;
-  const Vec3 towards = u_mm - from;
+  const Vec3 moved = p_mm + side * offset_mm_ * face_n;
+  const Vec3 from = transform_point(pose_, moved), towards = transform_direction(pose_, u_mm - moved);
   RTCRay ray{};
   ray.org_x = static_cast<float>(from.x());
   ray.org_y = static_cast<float>(from.y());
@@ -96,7 +105,7 @@ bool RayVisibility::sees(const Vec3& p_mm, const Vec3& face_n, const Vec3& u_mm)
   ray.mask = ~0U;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcOccluded1(impl_->scene, &context, &ray);
+  rtcOccluded1(tree_->scene, &context, &ray);
   return ray.tfar >= 0;  // −∞ where something was hit
 }
 

@@ -11,7 +11,7 @@
 namespace lumifield {
 
 /// Who sees what by rays, exactly: what shadow maps are judged by, and what reference pictures are made with. Surfaces
-/// are two-sided. Luminaire frame, mm. Once made safe from any thread.
+/// are two-sided. Luminaire frame, mm. Value type, safe from any thread; copies share the scene's tree.
 ///
 /// A ray sets out from the receiver moved by `offset_mm` along its face normal, to the side of where it goes, so that
 /// the receiver's own surface does not stand in its way, on either side: what else is nearer than that cannot be told
@@ -20,9 +20,8 @@ class RayVisibility {
  public:
   /// `pose`: luminaire → scene, rigid. Errors: a processor that Embree does not know, out of memory.
   static Result<RayVisibility> create(const Mesh& mesh, const Pose& pose);
-  RayVisibility(RayVisibility&&) noexcept;
-  RayVisibility& operator=(RayVisibility&&) noexcept;
-  ~RayVisibility();
+  /// In the same scene, of a luminaire at another pose: shares the tree.
+  RayVisibility at(const Pose& pose) const;
 
   /// Whether nothing stands between p, on a face with the unit normal `face_n`, and u.
   bool sees(const Vec3& p_mm, const Vec3& face_n, const Vec3& u_mm) const;
@@ -32,14 +31,16 @@ class RayVisibility {
   TileVisibility see_tiles(const TileGrid& grid, std::span<const float> p_xyzw, std::span<const float> face_xyzw,
                            ShadowWeighing weighing = ShadowWeighing::tile) const;
 
-  /// 16 roundings of the mesh's largest coordinate to float, as the scene has it or the luminaire: both the receiver
-  /// and the triangles have been rounded, each coordinate of each by half a step, and the receiver's were computed.
-  double offset_mm() const;
+  /// 16 roundings to float of the largest coordinate of the mesh's box, as the scene has it or the luminaire: the
+  /// receiver has been rounded in either frame, each coordinate by half a step, and the ray's origin is.
+  double offset_mm() const { return offset_mm_; }
 
  private:
-  struct Impl;
-  explicit RayVisibility(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  struct Tree;
+  RayVisibility(std::shared_ptr<const Tree> tree, const Pose& pose);
+  std::shared_ptr<const Tree> tree_;
+  Pose pose_;
+  double offset_mm_;
 };
 
 }  // namespace lumifield

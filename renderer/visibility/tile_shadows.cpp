@@ -33,58 +33,73 @@ ShadowTileMap map_of(const ShadowView& view, std::size_t number, const ShadowSet
           static_cast<int>(number * texels)};
 }
 
+/// Of all blocks from U, then of those from S, if any: where in the buffer each has its map. None: it has none.
+std::vector<std::optional<ShadowView>> places_of(const ShadowPlan& plan) {
+  std::vector<std::optional<ShadowView>> places;
+  for (const std::vector<int>& set : plan.maps_of)
+    for (const int view : set)
+      places.push_back(view < 0 ? std::nullopt : std::optional(plan.views[static_cast<std::size_t>(view)]));
+  return places;
+}
+
 std::vector<ShadowTileMap> maps_of(const ShadowPlan& plan, const ShadowSettings& settings) {
   ShadowTileMap none{};
   none.first = -1;
   std::vector<ShadowTileMap> maps;
-  for (const std::vector<int>& set : plan.maps_of)
-    for (const int view : set) {
-      const auto number = static_cast<std::size_t>(view);
-      maps.push_back(view < 0 ? none : map_of(plan.views[number], number, settings));
-    }
+  for (const auto& view : places_of(plan)) maps.push_back(view ? map_of(*view, maps.size(), settings) : none);
   return maps;
 }
 
 }  // namespace
 
-struct TileShadows::Impl {
+/// What all maps of a scene share.
+struct TileShadows::Tools {
   std::unique_ptr<ShadowMapPass> pass;
   std::unique_ptr<OpenClDevice> device;
   DeviceKernel kernel;
   std::size_t width = 1;  ///< receivers of a work-item
-  DeviceBuffer maps, depths, positions, faces, words;
+  DeviceBuffer positions, faces, words;
+};
+
+struct TileShadows::Impl {
+  std::shared_ptr<Tools> tools;
+  DeviceBuffer maps, depths;
 
   std::optional<ShadowPlan> plan;  ///< of the maps that there are, with the pose and settings
   Pose pose;
   ShadowSettings settings;
-  int times_made = 0;
+  int times_made = 0, maps_drawn = 0;
   double last_kernel_s = 0;
 
-  Status room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose);
-  Status fill(DeviceBuffer& buffer, std::span<const std::byte> data, std::string_view purpose);
-  Status make(const ShadowPlan& wanted);
+  Status make(const ShadowPlan& wanted, const std::optional<ShadowPlan>& there);
   ShadowTiles shared(std::size_t receivers) const;
 };
 
-/// Kept when it is large enough, and not far too large.
-Status TileShadows::Impl::room(DeviceBuffer& buffer, std::size_t bytes, std::string_view purpose) {
-  if (buffer.bytes() >= bytes && buffer.bytes() / 4 <= bytes) return {};
-  buffer = {};
-  auto made = device->allocate(bytes, purpose);
-  if (!made) return tl::unexpected(made.error());
-  buffer = *made;
-  return {};
-}
-
-Status TileShadows::Impl::fill(DeviceBuffer& buffer, std::span<const std::byte> data, std::string_view purpose) {
-  if (const Status there = room(buffer, data.size(), purpose); !there) return there;
-  return device->write(buffer, 0, data);
-}
-
-Status TileShadows::Impl::make(const ShadowPlan& wanted) {
-  const Result<ShadowMaps> drawn = pass->draw(pose, wanted.views, settings.map_px);
+/// Draws those that are not there.
+Status TileShadows::Impl::make(const ShadowPlan& wanted, const std::optional<ShadowPlan>& there) {
+  const auto places = places_of(wanted);
+  auto had = there ? places_of(*there) : decltype(places){};
+  if (had.size() != places.size()) had.assign(places.size(), std::nullopt);
+  std::vector<std::size_t> at;
+  std::vector<ShadowView> views;
+  for (std::size_t k = 0; k < places.size(); ++k)
+    if (places[k] && places[k] != had[k]) {
+      at.push_back(k);
+      views.push_back(*places[k]);
+    }
+  const Result<ShadowMaps> drawn = tools->pass->draw(pose, views, settings.map_px);
   if (!drawn) return tl::unexpected(drawn.error());
-  return fill(depths, std::as_bytes(std::span(drawn->depth_mm)), "shadow maps");
+  maps_drawn += static_cast<int>(views.size());
+
+  // As many places as before have the same buffer. Those side by side are written at once.
+  const std::size_t bytes = drawn->texels() * sizeof(float);
+  if (const Status room = tools->device->make_room(depths, places.size() * bytes, "shadow maps"); !room) return room;
+  for (std::size_t begin = 0, end = 0; begin < at.size(); begin = end) {
+    for (end = begin + 1; end < at.size() && at[end] == at[end - 1] + 1;) ++end;
+    const auto part = std::as_bytes(std::span(drawn->depth_mm)).subspan(begin * bytes, (end - begin) * bytes);
+    if (const Status written = tools->device->write(depths, at[begin] * bytes, part); !written) return written;
+  }
+  return {};
 }
 
 ShadowTiles TileShadows::Impl::shared(std::size_t receivers) const {
@@ -103,23 +118,41 @@ ShadowTiles TileShadows::Impl::shared(std::size_t receivers) const {
 TileShadows::TileShadows(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 TileShadows::~TileShadows() = default;
 int TileShadows::maps() const { return impl_->plan ? static_cast<int>(impl_->plan->views.size()) : 0; }
+int TileShadows::maps_drawn() const { return impl_->maps_drawn; }
 int TileShadows::times_made() const { return impl_->times_made; }
 double TileShadows::last_kernel_s() const { return impl_->last_kernel_s; }
-std::string TileShadows::device_name() const { return impl_->device->name(); }
+std::string TileShadows::device_name() const { return impl_->tools->device->name(); }
+std::optional<Pose> TileShadows::pose() const { return impl_->plan ? std::optional(impl_->pose) : std::nullopt; }
 
 Result<std::unique_ptr<TileShadows>> TileShadows::create(EglContext& context, const Mesh& mesh) {
-  auto impl = std::make_unique<Impl>();
+  auto tools = std::make_shared<Tools>();
   auto device = OpenClDevice::create();
   if (!device) return tl::unexpected(device.error());
-  impl->device = std::move(*device);
-  impl->width = impl->device->is_cpu() ? cpu_width : 1;
-  auto kernel = impl->device->build("tile_visibility", "-DRECEIVERS=" + std::to_string(impl->width), "tile_visibility");
+  tools->device = std::move(*device);
+  tools->width = tools->device->is_cpu() ? cpu_width : 1;
+  auto kernel =
+      tools->device->build("tile_visibility", "-DRECEIVERS=" + std::to_string(tools->width), "tile_visibility");
   if (!kernel) return tl::unexpected(kernel.error());
-  impl->kernel = *kernel;
+  tools->kernel = *kernel;
   auto pass = ShadowMapPass::create(context, mesh);
   if (!pass) return tl::unexpected(pass.error());
-  impl->pass = std::move(*pass);
+  tools->pass = std::move(*pass);
+  auto impl = std::make_unique<Impl>();
+  impl->tools = std::move(tools);
   return std::unique_ptr<TileShadows>(new TileShadows(std::move(impl)));
+}
+
+std::unique_ptr<TileShadows> TileShadows::another() const {
+  auto impl = std::make_unique<Impl>();
+  impl->tools = impl_->tools;
+  return std::unique_ptr<TileShadows>(new TileShadows(std::move(impl)));
+}
+
+bool TileShadows::has(const Pose& pose, const LuminaireGeometry& geometry, const ShadowSettings& settings,
+                      const std::optional<TilePositions>& positions) const {
+  if (!impl_->plan || impl_->pose != pose || impl_->settings.map_px != settings.map_px) return false;
+  const Result<ShadowPlan> plan = plan_shadows(geometry, settings, positions);
+  return plan && *plan == *impl_->plan;
 }
 
 Status TileShadows::set(const Pose& pose, const LuminaireGeometry& geometry, const ShadowSettings& settings,
@@ -127,16 +160,15 @@ Status TileShadows::set(const Pose& pose, const LuminaireGeometry& geometry, con
   const std::optional<ShadowPlan> before = std::exchange(impl_->plan, std::nullopt);
   Result<ShadowPlan> plan = plan_shadows(geometry, settings, positions);
   if (!plan) return tl::unexpected(plan.error());
-  const bool same = before == *plan && impl_->pose == pose && impl_->settings.map_px == settings.map_px;
+  const bool alike = before && impl_->pose == pose && impl_->settings.map_px == settings.map_px;
   impl_->pose = pose;
   impl_->settings = settings;
-  if (!same) {
-    if (const Status made = impl_->make(*plan); !made) return made;
+  if (!alike || before != *plan) {
+    if (const Status made = impl_->make(*plan, alike ? before : std::nullopt); !made) return made;
     ++impl_->times_made;
   }
   const std::vector<ShadowTileMap> list = maps_of(*plan, settings);
-  if (const Status done = impl_->fill(impl_->maps, std::as_bytes(std::span(list)), "the list of shadow maps"); !done)
-    return done;
+  if (const Status done = impl_->tools->device->fill(impl_->maps, list, "the list of shadow maps"); !done) return done;
   impl_->plan = std::move(*plan);
   return {};
 }
@@ -147,9 +179,9 @@ Result<TileVisibility> TileShadows::see(std::span<const float> p_xyzw, std::span
     return fail(
         std::to_string(p_xyzw.size()) + " floats of positions and " + std::to_string(face_xyzw.size()) + " of faces",
         "receivers", "give four of each to a receiver");
+  Tools& tools = *impl_->tools;
   TileVisibility visibility{impl_->plan->grid, impl_->settings.weighing, {}};
-  const std::size_t receivers = p_xyzw.size() / 4,
-                    filled = (receivers + impl_->width - 1) / impl_->width * impl_->width;
+  const std::size_t receivers = p_xyzw.size() / 4, filled = (receivers + tools.width - 1) / tools.width * tools.width;
   const std::size_t receiver_bytes = visibility.receiver_words() * sizeof(std::uint32_t);
   if (filled > max_visibility_bytes / receiver_bytes)
     return fail(
@@ -159,27 +191,27 @@ Result<TileVisibility> TileShadows::see(std::span<const float> p_xyzw, std::span
 
   // Hand the receivers over. What fills the last work-item is whatever lies there, and is not read back.
   const auto hand = [&](DeviceBuffer& buffer, std::span<const float> all, std::string_view purpose) -> Status {
-    if (const Status there = impl_->room(buffer, filled * 4 * sizeof(float), purpose); !there) return there;
-    return impl_->device->write(buffer, 0, std::as_bytes(all));
+    if (const Status there = tools.device->make_room(buffer, filled * 4 * sizeof(float), purpose); !there) return there;
+    return tools.device->write(buffer, 0, std::as_bytes(all));
   };
-  if (const Status done = hand(impl_->positions, p_xyzw, "receivers"); !done) return tl::unexpected(done.error());
-  if (const Status done = hand(impl_->faces, face_xyzw, "their faces"); !done) return tl::unexpected(done.error());
-  if (const Status done = impl_->room(impl_->words, filled * receiver_bytes, "visibility"); !done)
+  if (const Status done = hand(tools.positions, p_xyzw, "receivers"); !done) return tl::unexpected(done.error());
+  if (const Status done = hand(tools.faces, face_xyzw, "their faces"); !done) return tl::unexpected(done.error());
+  if (const Status done = tools.device->make_room(tools.words, filled * receiver_bytes, "visibility"); !done)
     return tl::unexpected(done.error());
 
   // Test them.
-  DeviceKernel& kernel = impl_->kernel;
+  DeviceKernel& kernel = tools.kernel;
   kernel.set(0, impl_->shared(filled));
   kernel.set(1, impl_->maps);
   kernel.set(2, impl_->depths);
-  kernel.set(3, impl_->positions);
-  kernel.set(4, impl_->faces);
-  kernel.set(5, impl_->words);
-  const Result<double> ran = impl_->device->run(kernel, filled / impl_->width, work_group);
+  kernel.set(3, tools.positions);
+  kernel.set(4, tools.faces);
+  kernel.set(5, tools.words);
+  const Result<double> ran = tools.device->run(kernel, filled / tools.width, work_group);
   if (!ran) return tl::unexpected(ran.error());
   impl_->last_kernel_s = *ran;
   visibility.words.resize(receivers * visibility.receiver_words());
-  if (const Status read = impl_->device->read(impl_->words, std::as_writable_bytes(std::span(visibility.words))); !read)
+  if (const Status read = tools.device->read(tools.words, std::as_writable_bytes(std::span(visibility.words))); !read)
     return tl::unexpected(read.error());
   return visibility;
 }

@@ -24,10 +24,13 @@ class TileShadows {
  public:
   /// Errors: no OpenCL device, mesh too large for the graphics device's memory.
   static Result<std::unique_ptr<TileShadows>> create(EglContext& context, const Mesh& mesh);
+  /// Of the same scene, without maps yet: shares this one's device, and what draws and tests maps. On the same thread.
+  std::unique_ptr<TileShadows> another() const;
   ~TileShadows();
 
-  /// Makes the maps, unless those there are of this pose (luminaire → scene, rigid), luminaire and settings. After an
-  /// error there are none. Errors: those of plan_shadows, out of memory.
+  /// Makes the maps but those that are there of this pose (luminaire → scene, rigid), luminaire and settings: of
+  /// published ones all whose positions have not moved. After an error there are none. Errors: those of plan_shadows,
+  /// out of memory.
   Status set(const Pose& pose, const LuminaireGeometry& geometry, const ShadowSettings& settings,
              const std::optional<TilePositions>& positions = std::nullopt);
 
@@ -36,12 +39,19 @@ class TileShadows {
   /// another length, more than max_visibility_bytes, the device's.
   Result<TileVisibility> see(std::span<const float> p_xyzw, std::span<const float> face_xyzw);
 
+  /// Whether set would find them there.
+  bool has(const Pose& pose, const LuminaireGeometry& geometry, const ShadowSettings& settings,
+           const std::optional<TilePositions>& positions = std::nullopt) const;
+  /// Of the luminaire whose maps there are; none without maps.
+  std::optional<Pose> pose() const;
   int maps() const;              ///< that there are
-  int times_made() const;        ///< how often maps have been made
+  int times_made() const;        ///< how often maps have been made, some or all
+  int maps_drawn() const;        ///< for that, in all
   double last_kernel_s() const;  ///< of the last see
   std::string device_name() const;
 
  private:
+  struct Tools;
   struct Impl;
   explicit TileShadows(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;

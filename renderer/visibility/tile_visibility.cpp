@@ -4,12 +4,16 @@
 
 namespace lumifield {
 
-double TileVisibility::share(std::size_t receiver, CellIndex cell, int column, int row) const {
-  if (weighing == ShadowWeighing::tile) return sees(receiver, column, row) ? 1 : 0;
+double TileVisibility::mean_share(std::size_t receiver, CellIndex cell) const {
   int seen = 0;
   for (int k = 0; k < grid.per_support; ++k)
     for (int i = 0; i < grid.per_support; ++i) seen += sees(receiver, cell.column + i, cell.row + k);
   return static_cast<double>(seen) / (grid.per_support * grid.per_support);
+}
+
+double TileVisibility::share(std::size_t receiver, CellIndex cell, int column, int row) const {
+  if (weighing == ShadowWeighing::tile) return sees(receiver, column, row) ? 1 : 0;
+  return mean_share(receiver, cell);
 }
 
 Sight sight_of(const TileVisibility& visibility, std::size_t receiver) {

@@ -27,6 +27,8 @@ struct TileVisibility {
   void set_seen(std::size_t receiver, int column, int row) {
     words[word_of(receiver, column, row)] |= 1U << (column % 32);
   }
+  /// Of a cell's n² tiles.
+  double mean_share(std::size_t receiver, CellIndex cell) const;
   /// What the light of tile (column, row) from one cell is multiplied by: the bit, or the mean of the cell's n² tiles.
   double share(std::size_t receiver, CellIndex cell, int column, int row) const;
 

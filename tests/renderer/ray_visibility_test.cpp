@@ -84,6 +84,25 @@ TEST(RayVisibility, TilesAreSeenByTheirCentres) {
   EXPECT_EQ(sight_of(visible, 3), Sight::none) << "behind the lamp";
 }
 
+TEST(RayVisibility, LuminairesShareATree) {
+  std::vector<TestTriangle> triangles;
+  add_box(triangles, {-100, -100, 400}, {50, 100, 700});
+  const Mesh mesh = mesh_of(triangles, tilted_pose());
+  Pose other = tilted_pose();
+  other.topLeftCorner<3, 3>() = Eigen::Matrix3d(Eigen::AngleAxisd(0.3, Vec3(0, 1, 0)) * other.topLeftCorner<3, 3>());
+  other(2, 3) += 50;
+  std::optional<RayVisibility> first = RayVisibility::create(mesh, tilted_pose()).value();
+  const RayVisibility shared = first->at(other), own = RayVisibility::create(mesh, other).value();
+  EXPECT_EQ(shared.offset_mm(), own.offset_mm());
+  const auto here = surface_receivers(mesh, tilted_pose(), 500, 1), there = surface_receivers(mesh, other, 500, 1);
+  const TileGrid grid({BasisKind::bell, {7.5, 6}, 6, 4, {3, -2}});
+  const auto seen_here = first->see_tiles(grid, here.p_xyzw, here.face_xyzw).words;
+  first.reset();
+  const auto seen_there = shared.see_tiles(grid, there.p_xyzw, there.face_xyzw).words;
+  EXPECT_EQ(seen_there, own.see_tiles(grid, there.p_xyzw, there.face_xyzw).words);
+  EXPECT_NE(seen_there, seen_here);
+}
+
 TEST(RayVisibility, AnEmptySceneHidesNothing) {
   const RayVisibility rays = rays_in({});
   EXPECT_TRUE(rays.sees({0, 0, 500}, {0, 0, -1}, {0, 0, 0}));

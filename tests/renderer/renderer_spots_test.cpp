@@ -135,6 +135,31 @@ TEST_F(RendererSpots, KeepTheirDepthMapsUntilTheLightMoves) {
   EXPECT_GT(made->shadow_maps_made(), maps);
 }
 
+TEST_F(RendererSpots, HowOftenMapsWereMadeIsACountThatDoesNotFall) {
+  const auto made = renderer();
+  std::vector<ScenePlacement> three(3, scene_.luminaires[0]);
+  three[1].pose(0, 3) += 60;
+  three[2].pose(0, 3) -= 60;
+  ASSERT_TRUE(made->set_placements(three));
+  ASSERT_TRUE(made->add_all(field_));
+  const int first = made->shadow_maps_made();
+  EXPECT_GE(first, 3);
+  ASSERT_TRUE(made->set_placements({three[0]}));
+  ASSERT_TRUE(made->picture());
+  EXPECT_EQ(made->shadow_maps_made(), first) << "lamps are gone, what there was is not";
+  ASSERT_TRUE(made->set_luminaire(field_.geometry()));
+  EXPECT_EQ(made->shadow_maps_made(), first) << "another device";
+  ASSERT_TRUE(made->add_all(field_));
+  const int second = made->shadow_maps_made();
+  EXPECT_GT(second, first);
+  if (probe_opencl()) {
+    ASSERT_TRUE(made->set_method({}));
+    EXPECT_EQ(made->shadow_maps_made(), second) << "another method";
+    ASSERT_TRUE(made->picture());
+    EXPECT_EQ(made->shadow_maps_made(), second + 1);
+  }
+}
+
 TEST_F(RendererSpots, EachPlacementHasItsOwnShadows) {
   std::vector<ScenePlacement> two = {scene_.luminaires[0], scene_.luminaires[0]};
   two[1].pose(0, 3) += 150;

@@ -12,6 +12,7 @@
 #include <random>
 
 #include "renderer/methods/closed_form.h"
+#include "renderer/methods/table_memory.h"
 #include "renderer/opengl/gbuffer.h"
 #include "renderer/scene/mesh.h"
 #include "tests/support/exr_file.h"
@@ -21,6 +22,7 @@ namespace {
 
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 namespace fs = std::filesystem;
 
 constexpr int width = 40, height = 30;
@@ -166,6 +168,8 @@ TEST_F(RendererTest, WhatStandsBeforeALuminaireCastsAShadow) {
   ASSERT_TRUE(renderer->set_visibility(Visibility::none));
   const Picture bare = *renderer->picture();
   EXPECT_THAT(bare.note, HasSubstr("shadows"));
+  EXPECT_THAT(renderer->info().notes, Contains("left out: " + bare.note));
+  EXPECT_THAT(renderer->info().notes, Not(Contains("left out: " + shadowed.note))) << "that was another visibility";
   ASSERT_TRUE(renderer->set_visibility(Visibility::rays));
   const Picture by_rays = *renderer->picture();
   int darker = 0;
@@ -213,6 +217,48 @@ TEST_F(RendererTest, PublishedShadowsStayWhereTheFirstCellsPutThemUntilRefreshed
   ASSERT_TRUE(anew->set_visibility(Visibility::published));
   ASSERT_TRUE(anew->add_all(other));
   EXPECT_LT(difference(*anew->picture(), refreshed), 1e-12);
+}
+
+/// Each cell but the first and the last, which are dark, gives tiles their first position.
+TEST_F(RendererTest, UnderPublishedShadowsACellThatComesCostsOne) {
+  const Scene pillars = read_scene(LUMIFIELD_SOURCE_DIR "/resources/scenes/pillars/scene.json").value();
+  const LuminaireGeometry geometry = geometry_of({"Y"});
+  const auto dark = std::make_shared<const CellImage>(
+      CellImage{40, 30, 1, std::vector<float>(geometry.measurement.pixels(), 0.0F), {}, {}});
+  for (const double lod : {0.0, 1.0}) {
+    auto renderer = renderer_of(pillars, geometry);
+    ASSERT_TRUE(renderer->set_visibility(Visibility::published));
+    ASSERT_TRUE(renderer->set_view(pillars.camera, width, height, lod));
+    for (int k = 0; k < 6; ++k) {
+      const CellIndex cell = geometry.sampling.index(k);
+      const int made = renderer->shadow_maps_made();
+      const bool gives = k != 0 && k != 5;
+      ASSERT_TRUE(renderer->add_cell(cell, gives ? image_of(geometry, 60U + static_cast<unsigned>(k)) : dark));
+      EXPECT_EQ(renderer->shadow_maps_made(), made + (gives || k == 0)) << k;
+      if (lod > 0 && gives) {
+        EXPECT_EQ(renderer->waiting(), k + 1) << "coarse maps are shared by tiles, so all cells wait, it with them";
+        ASSERT_TRUE(renderer->picture());
+      }
+      EXPECT_EQ(renderer->waiting(), 0) << k;
+      EXPECT_EQ(renderer->summed(), k + 1);
+    }
+    // One that is taken again, and one that waits: the picture of the others stands.
+    ASSERT_TRUE(renderer->add_cell({0, 1}, image_of(geometry, 99)));
+    EXPECT_EQ(renderer->waiting(), 0);
+    const Picture before = *renderer->picture();
+    ASSERT_TRUE(renderer->keep_cell({1, 2}, image_of(geometry, 98)));
+    const Picture so_far = *renderer->picture_so_far();
+    if (lod == 0) {
+      EXPECT_LT(difference(before, so_far), 1e-12);
+    }
+
+    // As if all had come at once, with the positions that there are.
+    const Picture come = *renderer->picture();
+    EXPECT_GT(difference(before, come), 1e-3);
+    ASSERT_TRUE(renderer->set_view(pillars.camera, width, height, lod));
+    EXPECT_EQ(renderer->waiting(), 6);
+    EXPECT_LT(difference(*renderer->picture(), come), 1e-6) << lod;
+  }
 }
 
 TEST_F(RendererTest, PlacementsAddUpWithTheirScales) {
@@ -422,6 +468,25 @@ TEST_F(RendererTest, AnEnvironmentLightsTheSceneUnderAnyMethod) {
   EXPECT_TRUE(renderer->picture());
   scene_.environment = folder_ / "no.exr";
   EXPECT_THAT(Renderer::create(scene_, width, height).error().message(), HasSubstr("no.exr"));
+}
+
+TEST_F(RendererTest, ReceiversThatDoNotFitIntoMemoryAreRefusedBeforeAnyIsTaken) {
+  const LightField field = light_field_of(geometry_of({"Y"}));
+  auto renderer = renderer_of(scene_, field.geometry());
+  ASSERT_TRUE(renderer->add_all(field));
+  const Picture before = *renderer->picture();
+  // Positions, normals and faces alone take 48 bytes.
+  const std::vector<ScenePlacement> many(most_luminaires, scene_.luminaires[0]);
+  const int side = static_cast<int>(std::sqrt(host_memory_bytes() / 2 / (48.0 * most_luminaires))) + 1;
+  ASSERT_TRUE(renderer->set_placements(many));
+  ASSERT_TRUE(renderer->set_view(scene_.camera, side, side));
+  for (const Status& refused : {renderer->hand_over(), Status(renderer->picture().map([](const Picture&) {}))}) {
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message(), HasSubstr("pixels seen by 1000 luminaires take"));
+  }
+  ASSERT_TRUE(renderer->set_placements(scene_.luminaires));
+  ASSERT_TRUE(renderer->set_view(scene_.camera, width, height));
+  EXPECT_EQ(difference(before, *renderer->picture()), 0);
 }
 
 TEST_F(RendererTest, RefusesWhatDoesNotFit) {

@@ -69,22 +69,58 @@ TEST(TilePositions, ATileHasTheMeanOfItsLitCellsMedians) {
   }
 }
 
-TEST(TilePositions, FrozenOnesStayAndNewTilesJoin) {
-  LightField field(geometry_of(BasisKind::bell));
-  const auto add = [&](CellIndex cell, int i, int j) {
-    ASSERT_TRUE(field.add(cell, image_of(field.geometry(), {{0, i, j, 1}})));
+TEST(TilePositions, FirstOnesStayAndNewTilesJoin) {
+  const LuminaireGeometry geometry = geometry_of(BasisKind::bell);
+  LightField field(geometry);
+  FirstPositions first(geometry);
+  const auto take = [&] {
+    first.take(images_by_cell(field));
+    return first.positions();
   };
-  add({0, 0}, 2, 3);
-  TilePositions frozen = published_positions(field);
-  const TilePositions before = frozen;
-  add({0, 1}, 6, 1);
-  const TilePositions now = published_positions(field);
-  EXPECT_NE(before.at(1, 0), now.at(1, 0)) << "the mean moves";
-  add_missing(frozen, now);
-  EXPECT_EQ(frozen.at(0, 0), before.at(0, 0));
-  EXPECT_EQ(frozen.at(1, 0), before.at(1, 0));
-  EXPECT_EQ(frozen.at(2, 0), now.at(2, 0));
-  EXPECT_FALSE(frozen.at(3, 0));
+  const auto add = [&](CellIndex cell, int i, int j, float value = 1) {
+    const auto image = std::make_shared<const CellImage>(image_of(geometry, {{0, i, j, value}}));
+    const bool gives = first.would_give(cell, image);
+    EXPECT_TRUE(field.add(cell, image));
+    return gives;
+  };
+  EXPECT_TRUE(add({0, 0}, 2, 3));
+  const TilePositions before = take();
+  EXPECT_EQ(before, published_positions(field));
+  EXPECT_TRUE(add({0, 1}, 6, 1));
+  const TilePositions both = published_positions(field);
+  EXPECT_NE(before.at(1, 0), both.at(1, 0)) << "the mean moves";
+  const TilePositions now = take();
+  EXPECT_EQ(now.at(0, 0), before.at(0, 0));
+  EXPECT_EQ(now.at(1, 0), before.at(1, 0));
+  EXPECT_EQ(now.at(2, 0), both.at(2, 0));
+  EXPECT_FALSE(now.at(3, 0));
+
+  // Dark ones, and those all of whose tiles have one, give none. What is lit when it is taken again does.
+  EXPECT_FALSE(add({1, 2}, 5, 5, 0));
+  EXPECT_FALSE(add({0, 0}, 9, 7));
+  EXPECT_EQ(take(), now);
+  EXPECT_TRUE(add({1, 2}, 5, 5));
+  EXPECT_EQ(take().at(3, 2), mm(geometry, 5.5, 5.5));
+}
+
+TEST(TilePositions, AMedianIsComputedOnceAndOnlyWhereATileHasNone) {
+  const LuminaireGeometry geometry = geometry_of(BasisKind::bell);
+  LightField field(geometry);
+  for (int k = 0; k < 5; ++k)  // all but the last, {1, 2}; {0, 2} is dark
+    ASSERT_TRUE(field.add(geometry.sampling.index(k), image_of(geometry, {{0, k, 3, k == 2 ? 0.0F : 1.0F}})));
+  FirstPositions first(geometry);
+  first.take(images_by_cell(field));
+  EXPECT_EQ(first.medians_computed(), 5);
+  first.take(images_by_cell(field));
+  EXPECT_EQ(first.medians_computed(), 5);
+  const auto last = std::make_shared<const CellImage>(image_of(geometry, {{0, 1, 1, 1}}));
+  EXPECT_TRUE(first.would_give({1, 2}, last));
+  ASSERT_TRUE(field.add({1, 2}, last));
+  first.take(images_by_cell(field));
+  EXPECT_EQ(first.medians_computed(), 6);
+  // A retake of a cell whose tiles have theirs.
+  EXPECT_FALSE(first.would_give({0, 0}, last));
+  EXPECT_EQ(first.medians_computed(), 6);
 }
 
 TEST(ShadowPlan, CentresShowTheImageAndHalfATile) {

@@ -215,6 +215,65 @@ TEST_F(TileShadowsTest, MapsAreMadeOnlyWhenSomethingHasChanged) {
   set(true, "again");
 }
 
+TEST_F(TileShadowsTest, OfPublishedMapsThoseAreDrawnWhosePositionIsAnother) {
+  std::vector<TestTriangle> triangles;
+  add_quad(triangles, {-900, -900, 900}, {1800, 0, 0}, {0, 1800, 0});
+  add_box(triangles, {-100, -100, 400}, {50, 100, 700});
+  const Mesh mesh = mesh_of(triangles);
+  const auto receivers = surface_receivers(mesh, Pose::Identity(), 500, 3);
+  const ShadowSettings settings{.position = ShadowPosition::published, .map_px = 64};
+  std::optional<TilePositions> positions = positions_on(bike);
+  for (const std::size_t k : {4U, 5U, 40U, 79U}) positions->on_s_mm[k] = std::nullopt;
+  const auto shadows = shadows_in(mesh);
+  int drawn = 0;
+  const auto set = [&](int more, const char* what) {
+    ASSERT_TRUE(shadows->set(Pose::Identity(), bike, settings, positions));
+    EXPECT_EQ(shadows->maps_drawn(), drawn += more) << what;
+    const auto anew = shadows_in(mesh);
+    ASSERT_TRUE(anew->set(Pose::Identity(), bike, settings, positions));
+    EXPECT_EQ(see(*shadows, receivers).words, see(*anew, receivers).words) << what;
+  };
+  set(80 + 65, "80 tiles, 15 without a position");
+  positions->on_s_mm[4] = Vec2(10, -5);
+  positions->on_s_mm[79] = Vec2(-30, 8);
+  set(2, "two get theirs");
+  positions->on_s_mm[7] = Vec2(1, 12);
+  positions->on_s_mm[8] = Vec2(2, 11);
+  positions->on_s_mm[60] = std::nullopt;
+  set(2, "two move, one goes");
+  positions = positions_on(bike);
+  set(7, "four move back, three come");
+}
+
+TEST_F(TileShadowsTest, SeveralLampsShareADeviceAndKeepTheirOwnMaps) {
+  std::vector<TestTriangle> triangles;
+  add_quad(triangles, {-900, -900, 900}, {1800, 0, 0}, {0, 1800, 0});
+  add_box(triangles, {-100, -100, 400}, {50, 100, 700});
+  const Mesh mesh = mesh_of(triangles);
+  const auto receivers = surface_receivers(mesh, Pose::Identity(), 500, 3);
+  Pose beside = Pose::Identity();
+  beside(0, 3) = 30;
+  auto first = shadows_in(mesh);
+  ASSERT_TRUE(first->set(Pose::Identity(), bike, {}));
+  const TileVisibility before = see(*first, receivers);
+  const auto second = first->another();
+  EXPECT_EQ(second->pose(), std::nullopt);
+  EXPECT_FALSE(second->has(Pose::Identity(), bike, {}));
+  EXPECT_FALSE(second->see({}, {})) << "no light yet";
+  ASSERT_TRUE(second->set(beside, bike, {.map_px = 64}));
+  EXPECT_EQ(second->pose(), beside);
+  EXPECT_TRUE(second->has(beside, bike, {.map_px = 64}));
+  EXPECT_FALSE(second->has(beside, bike, {}));
+  EXPECT_FALSE(second->has(Pose::Identity(), bike, {.map_px = 64}));
+  EXPECT_NE(see(*second, receivers).words, before.words);
+  EXPECT_EQ(see(*first, receivers).words, before.words);
+  EXPECT_EQ(first->times_made(), 1);
+  first.reset();
+  const auto alone = shadows_in(mesh);
+  ASSERT_TRUE(alone->set(beside, bike, {.map_px = 64}));
+  EXPECT_EQ(see(*second, receivers).words, see(*alone, receivers).words) << "the one it was made of is gone";
+}
+
 TEST_F(TileShadowsTest, RefusesListsThatDoNotFit) {
   auto shadows = shadows_in(mesh_of({{Vec3(-9, 0, 900), Vec3(9, 0, 900), Vec3(0, 9, 900)}}));
   LuminaireGeometry wide = bike;

@@ -38,6 +38,7 @@ TEST(TileVisibility, WeighsByTileOrByTheMean) {
   EXPECT_EQ(visible.share(1, {0, 0}, 1, 0), 1);
   EXPECT_EQ(visible.share(1, {3, 4}, 4, 3), 1);
   EXPECT_EQ(visible.share(1, {3, 4}, 4, 4), 0);
+  EXPECT_EQ(visible.mean_share(1, {3, 4}), 0.5) << "whatever its tiles are weighed by";
   visible.weighing = ShadowWeighing::mean;
   EXPECT_EQ(visible.share(1, {0, 0}, 0, 0), 0.75);
   EXPECT_EQ(visible.share(1, {3, 4}, 4, 3), 0.5);
