@@ -36,6 +36,7 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   if (Status viewed = (*renderer)->set_view(scene->camera, size->first, size->second, options.lod); !viewed)
     return tl::unexpected(viewed.error());
   const Visibility shadows = visibility_from_string(options.shadows).value_or(Visibility::tile);
+  const bool own_shadows = shadows != Visibility::none && has_own_shadows(method_settings(options).method);
   const auto start = std::chrono::steady_clock::now();
   if (Status set = (*renderer)->set_visibility(shadows); !set) return tl::unexpected(set.error());
   if (Status set = (*renderer)->set_method(method_settings(options)); !set) return tl::unexpected(set.error());
@@ -51,7 +52,7 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   const RendererInfo info = (*renderer)->info();
   nlohmann::ordered_json summary{{"out", options.out}};
   summary.update(method_summary(method_settings(options)));
-  summary.update(nlohmann::ordered_json{{"shadows", options.shadows},
+  summary.update(nlohmann::ordered_json{{"shadows", own_shadows ? "own" : options.shadows},
                                         {"environment", (*renderer)->environment() ? "on" : "off"},
                                         {"width_px", size->first},
                                         {"height_px", size->second},

@@ -19,29 +19,30 @@ constexpr int few_cells = 3;
 
 }  // namespace
 
-void PreviewCosts::drawn(PreviewDetail detail, double pixels, double seconds) {
-  of(detail).draw.learn(pixels, seconds);
+void PreviewCosts::drawn(PreviewDetail detail, double receivers, double seconds) {
+  of(detail).draw.learn(receivers, seconds);
 }
 
-void PreviewCosts::summed(PreviewDetail detail, double pixels, int cells, double seconds) {
-  if (cells > 0) of(detail).cell.learn(pixels, seconds / cells);
+void PreviewCosts::summed(PreviewDetail detail, double receivers, int cells, double seconds) {
+  if (cells > 0) of(detail).cell.learn(receivers, seconds / cells);
 }
 
-void PreviewCosts::shown(PreviewDetail detail, double pixels, double seconds) {
-  of(detail).show.learn(pixels, seconds);
+void PreviewCosts::shown(PreviewDetail detail, double receivers, double seconds) {
+  of(detail).show.learn(receivers, seconds);
 }
 
-double PreviewCosts::picture_s(PreviewDetail detail, double pixels, int cells) const {
+double PreviewCosts::picture_s(PreviewDetail detail, double receivers, int cells) const {
   const Costs& costs = of(detail);
-  return costs.draw.seconds(pixels) + cells * costs.cell.seconds(pixels) + costs.show.seconds(pixels);
+  return costs.draw.seconds(receivers) + cells * costs.cell.seconds(receivers) + costs.show.seconds(receivers);
 }
 
-double PreviewCosts::cell_s(PreviewDetail detail, double pixels) const { return of(detail).cell.seconds(pixels); }
+double PreviewCosts::cell_s(PreviewDetail detail, double receivers) const { return of(detail).cell.seconds(receivers); }
 
-PreviewDetail PreviewCosts::finest_within(double seconds, double full_pixels, int cells, PreviewDetail before) const {
-  if (picture_s({}, full_pixels, cells) <= seconds) return {};
+PreviewDetail PreviewCosts::finest_within(double seconds, double full_receivers, int cells,
+                                          PreviewDetail before) const {
+  if (picture_s({}, full_receivers, cells) <= seconds) return {};
   const auto fits = [&](int divisor) {
-    const double takes_s = picture_s({divisor, coarse_lod}, full_pixels / (divisor * divisor), cells);
+    const double takes_s = picture_s({divisor, coarse_lod}, full_receivers / (divisor * divisor), cells);
     if (before.full() || divisor > before.divisor) return takes_s <= seconds;
     return takes_s <= seconds * (divisor == before.divisor ? nearly_fits : fits_well);
   };

@@ -14,21 +14,21 @@ struct PreviewDetail {
   bool operator==(const PreviewDetail&) const = default;
 };
 
-/// What a picture takes: to draw it, to sum each cell and to show it has a fixed part and one for each pixel, learned
-/// from those made. Coarse and full ones apart. Thread-bound.
+/// What a picture takes: to draw it, to sum each cell and to show it has a fixed part and one for each receiver,
+/// learned from those made. Coarse and full ones apart. Thread-bound.
 class PreviewCosts {
  public:
-  void drawn(PreviewDetail detail, double pixels, double seconds);
-  void summed(PreviewDetail detail, double pixels, int cells, double seconds);
-  void shown(PreviewDetail detail, double pixels, double seconds);
+  void drawn(PreviewDetail detail, double receivers, double seconds);
+  void summed(PreviewDetail detail, double receivers, int cells, double seconds);
+  void shown(PreviewDetail detail, double receivers, double seconds);
 
-  /// `pixels` of the picture as it is made, divisor applied.
-  double picture_s(PreviewDetail detail, double pixels, int cells) const;
-  double cell_s(PreviewDetail detail, double pixels) const;
+  /// `receivers`: pixels of the picture as it is made, divisor applied, times luminaires.
+  double picture_s(PreviewDetail detail, double receivers, int cells) const;
+  double cell_s(PreviewDetail detail, double receivers) const;
 
   /// The finest that takes no longer than `seconds`, or the coarsest there is. So that detail does not flicker, one
   /// finer than `before` has to fit well, and `before` nearly.
-  PreviewDetail finest_within(double seconds, double full_pixels, int cells, PreviewDetail before) const;
+  PreviewDetail finest_within(double seconds, double full_receivers, int cells, PreviewDetail before) const;
 
  private:
   struct Costs {

@@ -35,7 +35,10 @@ class PreviewWorker {
     SceneCamera camera;
     int width_px = 1024, height_px = 768;
     std::vector<ScenePlacement> placements;
-    double pixels() const { return static_cast<double>(width_px) * height_px; }
+    /// Each pixel is one for each luminaire.
+    double receivers() const {
+      return static_cast<double>(width_px) * height_px * static_cast<double>(placements.size());
+    }
   };
 
   // preview_worker.cpp

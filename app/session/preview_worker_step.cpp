@@ -87,22 +87,22 @@ PreviewWorker::Next PreviewWorker::work() {
 
 PreviewDetail PreviewWorker::detail_wanted(Clock::time_point now) const {
   const int cells = static_cast<int>(cells_.size());
-  const double full_s = costs_.picture_s({}, view_.pixels(), cells);
+  const double full_s = costs_.picture_s({}, view_.receivers(), cells);
   if (!view_changed_ && drawn_) return moving_ && !drawn_->full() ? *drawn_ : resting_detail(now);
   if (!moving_ && full_s <= short_wait_s) return {};
-  return costs_.finest_within(scan_ ? pace_.coarse / 2 : pace_.coarse, view_.pixels(), cells,
+  return costs_.finest_within(scan_ ? pace_.coarse / 2 : pace_.coarse, view_.receivers(), cells,
                               drawn_.value_or(PreviewDetail{}));
 }
 
 /// Of a view that is drawn.
 PreviewDetail PreviewWorker::resting_detail(Clock::time_point now) const {
   const int waiting = renderer_->waiting();
-  const PreviewDetail coarse = costs_.finest_within(scan_ ? pace_.coarse / 2 : pace_.coarse, view_.pixels(),
+  const PreviewDetail coarse = costs_.finest_within(scan_ ? pace_.coarse / 2 : pace_.coarse, view_.receivers(),
                                                     static_cast<int>(cells_.size()), *drawn_);
   if (drawn_->full()) {
-    const bool behind =
-        caught_up() ? shows_coarsely_first(waiting, static_cast<int>(cells_.size()), costs_.cell_s({}, view_.pixels()))
-                    : burst_ >= many_cells;
+    const bool behind = caught_up() ? shows_coarsely_first(waiting, static_cast<int>(cells_.size()),
+                                                           costs_.cell_s({}, view_.receivers()))
+                                    : burst_ >= many_cells;
     return behind ? coarse : *drawn_;
   }
   if (waiting > 0 || dirty_) return *drawn_;
@@ -142,7 +142,7 @@ void PreviewWorker::hand_over() {
   handed_over_ = true;
   draw_s_ += seconds_since(start);
   if (!drawn_->full()) coarse_took_s_ = draw_s_;
-  costs_.drawn(*drawn_, drawn_view_.pixels() / (drawn_->divisor * drawn_->divisor), draw_s_);
+  costs_.drawn(*drawn_, drawn_view_.receivers() / (drawn_->divisor * drawn_->divisor), draw_s_);
 }
 
 /// True when the view has the environment's light.
@@ -171,7 +171,7 @@ void PreviewWorker::sum() {
   unlearned_s_ += took_s;
   const int summed = before - renderer_->waiting();
   if (summed > 0)
-    costs_.summed(*drawn_, drawn_view_.pixels() / (drawn_->divisor * drawn_->divisor), summed,
+    costs_.summed(*drawn_, drawn_view_.receivers() / (drawn_->divisor * drawn_->divisor), summed,
                   std::exchange(unlearned_s_, 0));
 }
 
@@ -204,8 +204,8 @@ void PreviewWorker::show() {
   last_error_.clear();
   const PreviewDetail detail = *drawn_;
   hand_out(std::move(frame), start);
-  const double pixels = drawn_view_.pixels() / (detail.divisor * detail.divisor);
-  costs_.shown(detail, pixels, last_->show_s + std::exchange(surround_s_, 0));
+  const double receivers = drawn_view_.receivers() / (detail.divisor * detail.divisor);
+  costs_.shown(detail, receivers, last_->show_s + std::exchange(surround_s_, 0));
   if (!detail.full()) coarse_took_s_ += last_->show_s;
   if (!holds_cells()) let_in();
 }

@@ -44,7 +44,8 @@ PreviewMethodBar::PreviewMethodBar(QWidget* parent)
   add_methods(row);
   add_shadows(row);
   environment_->setChecked(true);
-  environment_->setToolTip(tr("Whether the lab around the lamp lights the scene: the environment that the scene names"));
+  environment_->setToolTip(
+      tr("Whether the lab around the lamp lights the scene: the environment that the scene names"));
   environment_->hide();
   row->addWidget(environment_);
   connect(environment_, &QCheckBox::toggled, this, &PreviewMethodBar::environmentSwitched);
@@ -96,16 +97,20 @@ void PreviewMethodBar::add_shadows(QHBoxLayout* row) {
   row->addWidget(name);
   row->addWidget(shadows_);
   row->addWidget(refresh_);
-  const auto explain = [this] {
-    shadows_->setToolTip(tr("What casts shadows: %1").arg(text_of(info(visibility()).what)));
-    refresh_->setVisible(visibility() == Visibility::published);
-  };
-  explain();
-  connect(shadows_, &QComboBox::currentIndexChanged, this, [this, explain] {
-    explain();
+  explain_shadows();
+  connect(shadows_, &QComboBox::currentIndexChanged, this, [this] {
+    explain_shadows();
     emit visibilityChanged(visibility());
   });
   connect(refresh_, &QToolButton::clicked, this, &PreviewMethodBar::shadowsToBeRefreshed);
+}
+
+void PreviewMethodBar::explain_shadows() {
+  const bool own = has_own_shadows(method_.method) && visibility() != Visibility::none;
+  shadows_->setToolTip(own ? tr("What casts shadows: %1 has a depth map of each cell, whatever is chosen but none")
+                                 .arg(text_of(to_string(method_.method)))
+                           : tr("What casts shadows: %1").arg(text_of(info(visibility()).what)));
+  refresh_->setVisible(!own && visibility() == Visibility::published);
 }
 
 Visibility PreviewMethodBar::visibility() const { return static_cast<Visibility>(shadows_->currentData().toInt()); }
@@ -137,6 +142,7 @@ void PreviewMethodBar::choose(Method chosen) {
 void PreviewMethodBar::tell(const MethodSettings& method) {
   if (method.method == method_.method && method.samples == method_.samples) return;
   method_ = method;
+  explain_shadows();
   emit methodChanged(method_);
 }
 

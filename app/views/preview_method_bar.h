@@ -37,6 +37,7 @@ class PreviewMethodBar : public QWidget {
  private:
   void add_methods(QHBoxLayout* row);
   void add_shadows(QHBoxLayout* row);
+  void explain_shadows();
   void choose(Method method);
   void tell(const MethodSettings& method);
 

@@ -17,6 +17,8 @@ QString progress_text(const PreviewFrame& frame) {
   }
   if (frame.visibility == Visibility::none)
     text += " · no shadows";
+  else if (has_own_shadows(method.method))
+    text += " · shadows: a map of each cell";
   else
     text += " · shadows: " + QString::fromUtf8(to_string(frame.visibility).data());
   if (frame.environment) text += " · environment";

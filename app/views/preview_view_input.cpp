@@ -19,7 +19,8 @@ void PreviewView::show_cursor() {
 }
 
 void PreviewView::mousePressEvent(QMouseEvent* event) {
-  if (!has_scene_ || press_lamp(event)) return;
+  // A lamp that is held stays so, whatever other button comes.
+  if (!has_scene_ || drag_ == Drag::lamp || press_lamp(event)) return;
   const bool pan = event->button() != Qt::LeftButton || event->modifiers().testFlag(Qt::ShiftModifier);
   set_drag(pan ? Drag::pan : Drag::orbit);
   cursor_ = event->position();
@@ -44,7 +45,8 @@ void PreviewView::mouseMoveEvent(QMouseEvent* event) {
 }
 
 void PreviewView::mouseReleaseEvent(QMouseEvent* event) {
-  if (event->buttons() != Qt::NoButton) return;
+  const bool lets_go = drag_ == Drag::lamp ? event->button() == Qt::LeftButton : event->buttons() == Qt::NoButton;
+  if (!lets_go) return;
   grip_.release();
   if (drag_ == Drag::orbit && !dragged_) lamps_->choose(-1);
   set_drag(Drag::none);
@@ -53,7 +55,7 @@ void PreviewView::mouseReleaseEvent(QMouseEvent* event) {
 }
 
 void PreviewView::mouseDoubleClickEvent(QMouseEvent* event) {
-  if (event->button() == Qt::LeftButton && !press_lamp(event)) reset_view();
+  if (event->button() == Qt::LeftButton && drag_ != Drag::lamp && !press_lamp(event)) reset_view();
 }
 
 void PreviewView::leaveEvent(QEvent*) {

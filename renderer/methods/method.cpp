@@ -46,6 +46,8 @@ std::optional<Method> method_from_string(std::string_view name) {
   return found == all.end() ? std::nullopt : std::optional(found->method);
 }
 
+bool has_own_shadows(Method method) { return method == Method::shift_invariant; }
+
 bool is_additive(Method method) { return method == Method::closed_form || method == Method::shift_invariant; }
 
 bool needs_opencl(Method method) { return method != Method::shift_invariant && method != Method::reference; }

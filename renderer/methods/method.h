@@ -44,6 +44,8 @@ std::string_view to_string(Method method);
 std::optional<Method> method_from_string(std::string_view name);
 /// Its cells share nothing: one that comes is added to what there is (running_sums.h).
 bool is_additive(Method method);
+/// Of a method that makes a depth map of each cell for itself, whatever Visibility is asked for but none.
+bool has_own_shadows(Method method);
 /// Its device is one of OpenCL.
 bool needs_opencl(Method method);
 

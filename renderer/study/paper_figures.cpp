@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "renderer/methods/host_method.h"
 #include "renderer/methods/image_sampler_device.h"
 #include "renderer/study/lab.h"
 #include "renderer/study/ladder.h"
@@ -41,12 +40,11 @@ class Figures {
   /// which tells the search's own error from the samples'.
   void searches(const MethodSettings& settings) {
     if (error_ || !go_on("Fig. 5")) return;
-    const LightField& field = bench_.luminaire().light_field;
     const auto picture = [&](Inversion inversion, int depth) {
       MethodSettings s = settings;
       s.inversion = inversion;
       s.depth = depth;
-      return make_host_method(field, s).and_then([&](const auto& method) { return bench_.small_picture(*method); });
+      return bench_.small_picture(s);
     };
     const auto whole = picture(Inversion::bisection, whole_depth);
     if (!whole) return stop_at(whole.error());

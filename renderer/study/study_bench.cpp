@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renderer/methods/host_evaluation.h"
 #include "renderer/study/lab.h"
 #include "renderer/study/reference_cache.h"
 
@@ -103,14 +104,11 @@ Result<StudyPoint> StudyBench::judge(DeviceMethod& method, int repeats) const {
   return point;
 }
 
-Result<Picture8> StudyBench::small_picture(const HostMethod& method) const {
-  StudyLight light{std::vector<double>(small_.receivers.size() * channels(), 0.0), {}};
-  for (std::size_t k = 0; k < small_.receivers.size(); ++k) {
-    if (small_.receivers[k].n == Vec3(0, 0, 0)) continue;
-    const auto one = method.irradiance(small_.receivers[k], static_cast<std::uint32_t>(k));
-    if (!one) return tl::unexpected(one.error());
-    std::copy(one->begin(), one->end(), light.irradiance.begin() + static_cast<std::ptrdiff_t>(k * channels()));
-  }
+Result<Picture8> StudyBench::small_picture(const MethodSettings& settings) const {
+  HostEvaluation form(luminaire_->light_field.geometry(), settings);
+  if (const Status set = form.set_cells(luminaire_->light_field); !set) return tl::unexpected(set.error());
+  StudyLight light;
+  if (const auto ran = timed_evaluation(form, small_, 1, light); !ran) return tl::unexpected(ran.error());
   return tone_mapped(light);
 }
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "renderer/methods/device_method.h"
-#include "renderer/methods/host_method.h"
 #include "renderer/study/study.h"
 #include "renderer/study/study_frame.h"
 
@@ -33,7 +32,7 @@ class StudyBench {
   /// Evaluates a method that has the luminaire's cells, `repeats` times, and judges it. The method keeps its samples.
   Result<StudyPoint> judge(DeviceMethod& method, int repeats) const;
   /// The picture for ΔE by a host form, tone-mapped as its reference is.
-  Result<Picture8> small_picture(const HostMethod& method) const;
+  Result<Picture8> small_picture(const MethodSettings& settings) const;
   const Picture8& small_reference() const { return small_reference_; }
   /// A method that is made, and given the cells.
   Result<std::unique_ptr<DeviceMethod>> make(const MethodSettings& settings) const;

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "luminaire/file_io.h"
+#include "renderer/methods/closed_form.h"
 #include "renderer/study/lab.h"
 #include "renderer/study/ladder.h"
 #include "renderer/study/paper_figures.h"

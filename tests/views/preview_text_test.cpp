@@ -17,6 +17,11 @@ TEST(PreviewText, SaysWhatThePictureHoldsAndWhatIsMissing) {
   EXPECT_EQ(progress_text(frame), "37 of 63 cells · picture 42 ms · no shadows · coarse");
   frame.environment = true;
   EXPECT_EQ(progress_text(frame), "37 of 63 cells · picture 42 ms · no shadows · environment · coarse");
+  frame.environment = false;
+  frame.visibility = Visibility::published;
+  frame.method.method = Method::shift_invariant;
+  EXPECT_EQ(progress_text(frame),
+            "37 of 63 cells · picture 42 ms · shift-invariant · shadows: a map of each cell · coarse");
   frame.measured = 40;
   EXPECT_EQ(missing_text(frame),
             "23 of 63 cells not measured yet: their light is missing; 3 measured cells are not in the picture yet");

@@ -90,6 +90,25 @@ TEST_F(PreviewViewLampsTest, ALampHeldStillRests) {
   EXPECT_FALSE(told.back().second);
 }
 
+TEST_F(PreviewViewLampsTest, AnotherButtonLeavesALampHeld) {
+  QSignalSpy camera(&view, &PreviewView::cameraChanged);
+  const QPoint start = at({0, 0, 0}), end = start + QPoint(60, 0);
+  press(start);
+  QTest::mousePress(&view, Qt::RightButton, {}, start);
+  move(end, Qt::LeftButton | Qt::RightButton);
+  QTest::mouseRelease(&view, Qt::RightButton, {}, end);
+  EXPECT_TRUE(told.back().second) << "still held";
+  const Vec3 expected = 60 * projection.mm_per_px({0, 0, 0}) * projection.right();
+  EXPECT_LT((place(0) - expected).norm(), 1e-6);
+  QTest::mousePress(&view, Qt::RightButton, {}, end);
+  release(end);
+  EXPECT_FALSE(told.back().second);
+  move(start, Qt::RightButton);
+  QTest::mouseRelease(&view, Qt::RightButton, {}, start);
+  EXPECT_LT((place(0) - expected).norm(), 1e-6) << "let go";
+  EXPECT_EQ(camera.count(), 0) << "that press began nothing";
+}
+
 TEST_F(PreviewViewLampsTest, WithShiftItMovesAlongItsBeam) {
   press(at({0, 0, 0}), Qt::ShiftModifier);
   move(at({0, 0, 0}) + QPoint(40, 25));
