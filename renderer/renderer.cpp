@@ -44,7 +44,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
   auto impl = std::make_unique<Impl>();
   const Result<std::string> opencl = probe_opencl();
   if (!opencl) impl->no_opencl = opencl.error();
-  impl->info = {(*context)->description(), opencl.value_or(""), std::move(mesh->notes)};
+  impl->info = {(*context)->description(), opencl.value_or(""), std::move(mesh->notes), {}};
   if (!opencl) impl->info.notes.push_back("without OpenCL: " + opencl.error().message());
   if (scene.environment) {
     auto environment = EnvironmentLight::read(*scene.environment, scene.environment_scale);
@@ -67,7 +67,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
 
 RendererInfo Renderer::info() const {
   RendererInfo info = impl_->info;
-  info.notes.push_back("left out: " + left_out(impl_->visibility, impl_->environment_on));
+  info.left_out = left_out(impl_->visibility, impl_->environment_on);
   return info;
 }
 

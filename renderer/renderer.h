@@ -16,7 +16,8 @@ namespace lumifield {
 struct RendererInfo {
   std::string opengl;              ///< renderer and version
   std::string opencl;              ///< device; empty where there is none
-  std::vector<std::string> notes;  ///< what the picture does not show of the scene
+  std::vector<std::string> notes;  ///< what the picture does not show of the scene's files, and why
+  std::string left_out;            ///< of the light, as pictures of now say (Picture::note)
   bool has_environment = false;    ///< the scene names one
 };
 

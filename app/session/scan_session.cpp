@@ -146,6 +146,7 @@ Status ScanSession::Impl::prepare_renderer(std::unique_ptr<Renderer>& renderer) 
   summary.opengl = info.opengl;
   summary.opencl = info.opencl;
   for (const std::string& note : info.notes) notes.push_back("preview: " + note);
+  notes.push_back("preview: left out: " + info.left_out);
   return {};
 }
 

@@ -158,6 +158,10 @@ void PreviewPanel::set_luminaire(const LuminaireGeometry& geometry) {
 void PreviewPanel::show_frame(const std::shared_ptr<const PreviewFrame>& frame) {
   if (awaits_scene_) return;
   view_->show_frame(frame);
+  if (const std::string& note = frame->radiance->note; note != info_.left_out) {
+    info_.left_out = note;
+    show_notes();
+  }
   look_->set_frame(*frame);
   allow_saving();
 }
@@ -181,6 +185,7 @@ void PreviewPanel::show_failure(const Error& error) { view_->show_failure(error)
 void PreviewPanel::show_notes() {
   QStringList notes;
   for (const std::string& note : info_.notes) notes << QString::fromStdString(note);
+  if (!info_.left_out.empty()) notes << tr("left out: %1").arg(QString::fromStdString(info_.left_out));
   status_->set_text(value_.isEmpty() ? notes.join("; ") : value_);
   if (!value_.isEmpty() || info_.opengl.empty()) return;
   notes << "OpenGL: " + QString::fromStdString(info_.opengl) << "OpenCL: " + QString::fromStdString(info_.opencl);

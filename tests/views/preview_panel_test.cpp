@@ -33,7 +33,7 @@ class PreviewPanelTest : public testing::Test {
     panel.resize(400, 420);
     panel.set_scene(scene(), "/scenes/corner/scene.json");
     panel.set_luminaire(preview_luminaire());
-    panel.show_ready({"llvmpipe", "PoCL", {"no shadows"}});
+    panel.show_ready({"llvmpipe", "PoCL", {"a bright material"}, "all"});
     panel.show();
     EXPECT_TRUE(QTest::qWaitForWindowExposed(&panel));
     show(preview_frame(40, 30));
@@ -154,14 +154,14 @@ TEST_F(PreviewPanelTest, FramesOfTheSceneBeforeAreNotShown) {
 }
 
 TEST_F(PreviewPanelTest, SaysWhatIsLeftOutOrTheValueUnderTheCursor) {
-  EXPECT_EQ(status(), "no shadows");
+  EXPECT_EQ(status(), "a bright material; left out: no shadows") << "as the frame has it";
   const QPointF at(panel.view().picture_rect().topLeft() + QPointF(3, 3));
   QMouseEvent move(QEvent::MouseMove, at, panel.view().mapToGlobal(at), Qt::NoButton, Qt::NoButton, Qt::NoModifier);
   QApplication::sendEvent(&panel.view(), &move);
   EXPECT_EQ(status(), "pixel 0, 0: Y709 0.2 W/(m² sr)");
   QEvent leave(QEvent::Leave);
   QApplication::sendEvent(&panel.view(), &leave);
-  EXPECT_EQ(status(), "no shadows");
+  EXPECT_EQ(status(), "a bright material; left out: no shadows") << "as the frame has it";
 }
 
 TEST_F(PreviewPanelTest, SavesThePictureAsShownOrItsRadiance) {
