@@ -9,11 +9,6 @@ namespace lumifield {
 
 namespace {
 
-/// Numbers that a kernel reads at once; rows are padded so that it stays within the table.
-constexpr std::size_t vector_width = 16;
-
-std::size_t padded(std::size_t n) { return (n + 2 * vector_width - 1) / vector_width * vector_width; }
-
 Status refused(const char* what) { return fail(what, "the luminaire", "use smaller images or fewer cells"); }
 
 }  // namespace
@@ -22,18 +17,14 @@ Result<std::unique_ptr<ImageSamplerDevice>> ImageSamplerDevice::create(const Lum
                                                                        const MethodSettings& settings,
                                                                        SamplingSteps steps, bool plain) {
   std::unique_ptr<ImageSamplerDevice> made(new ImageSamplerDevice(geometry, settings));
-  // Rows of W + 1 and columns of H + 1 sums.
   const auto width = static_cast<std::size_t>(geometry.measurement.width_px);
   const auto height = static_cast<std::size_t>(geometry.measurement.height_px);
-  const std::size_t stride = padded(width), column_stride = padded(height);
-  if (stride * (height + 1) * geometry.channels.size() >= std::size_t(1) << 31 ||
-      column_stride * width >= std::size_t(1) << 31)
+  const std::size_t stride = LightTables::padded(width);
+  made->tables_ = LightTables(geometry.measurement, stride);
+  if (!made->tables_.fits() || stride * height * geometry.channels.size() >= std::size_t(1) << 31)
     return tl::unexpected(refused("images of this size cannot be sampled").error());
-  made->shared_.stride = static_cast<int>(stride);
+  made->tables_.describe(made->shared_);
   made->shared_.plane = static_cast<int>(stride * height);
-  made->shared_.column_stride = static_cast<int>(column_stride);
-  made->shared_.table = static_cast<int>(stride * (height + 1));
-  made->shared_.columns = static_cast<int>(column_stride * width);
 
   std::string source = "uniform_box", defines;
   if (settings.method == Method::position_dependent) {
@@ -46,29 +37,22 @@ Result<std::unique_ptr<ImageSamplerDevice>> ImageSamplerDevice::create(const Lum
   return made;
 }
 
-/// One buffer each; the tables are of no use to uniform samples.
+/// The tables are of no use to uniform samples.
 Status ImageSamplerDevice::make_room(std::size_t cells) {
-  struct Part {
-    DeviceBuffer* buffer;
-    std::size_t cell_bytes;
-    const char* purpose;
-  };
-  const auto bytes = [](int numbers, std::size_t size) { return static_cast<std::size_t>(numbers) * size; };
-  std::vector<Part> parts{{&images_, bytes(shared_.plane, channels() * sizeof(float)), "images"}};
-  if (settings_.method != Method::uniform_box) {
-    parts.push_back({&tables_, bytes(shared_.table, sizeof(double)), "summed-area tables"});
-    parts.push_back({&columns_, bytes(shared_.columns, sizeof(double)), "column sums"});
-  }
-  if (settings_.method == Method::position_dependent_printed)
-    parts.push_back({&marginals_, bytes(shared_.stride, sizeof(double)), "marginals"});
-
-  double all = 0;
-  for (const Part& part : parts) all += static_cast<double>(part.cell_bytes) * static_cast<double>(cells);
-  if (const Status fits = check_table_memory(settings_, all, static_cast<double>(device_->memory_bytes())); !fits)
+  const auto bytes = [&](int numbers, std::size_t size) { return cells * static_cast<std::size_t>(numbers) * size; };
+  const bool drawn = settings_.method != Method::uniform_box;
+  const bool printed = settings_.method == Method::position_dependent_printed;
+  const std::size_t images = bytes(shared_.plane, channels() * sizeof(float));
+  const std::size_t marginals = printed ? bytes(shared_.stride, sizeof(double)) : 0;
+  const std::size_t all = images + marginals + (drawn ? cells * tables_.cell_bytes() : 0);
+  if (const Status fits =
+          check_table_memory(settings_, static_cast<double>(all), static_cast<double>(device_->memory_bytes()));
+      !fits)
     return fits;
-  for (const Part& part : parts)
-    if (Status room = device_->make_room(*part.buffer, cells * part.cell_bytes, part.purpose); !room) return room;
-  return {};
+  if (Status room = device_->make_room(images_, images, "images"); !room) return room;
+  if (printed)
+    if (Status room = device_->make_room(marginals_, marginals, "marginals"); !room) return room;
+  return drawn ? tables_.make_room(*device_, cells) : Status{};
 }
 
 Status ImageSamplerDevice::take_cells(const LightField& light_field) {
@@ -101,41 +85,20 @@ Status ImageSamplerDevice::upload_image(std::size_t m, const CellImage& cell) {
 }
 
 Status ImageSamplerDevice::upload_tables(std::size_t m, const SummedAreaTable& importance) {
-  const auto width = static_cast<std::size_t>(shared_.width), height = static_cast<std::size_t>(shared_.height);
-  const auto stride = static_cast<std::size_t>(shared_.stride);
-  const auto write = [&](const DeviceBuffer& buffer, const std::vector<double>& values) {
-    return device_->write(buffer, m * values.size() * sizeof(double), std::as_bytes(std::span(values)));
-  };
-  std::vector<double> table(static_cast<std::size_t>(shared_.table), 0.0);
-  for (std::size_t j = 0; j <= height; ++j)
-    for (std::size_t i = 0; i <= width; ++i)
-      table[j * stride + i] = importance.corner(static_cast<int>(i), static_cast<int>(j));
-  if (Status done = write(tables_, table); !done) return done;
-
-  const auto column_stride = static_cast<std::size_t>(shared_.column_stride);
-  std::vector<double> columns(static_cast<std::size_t>(shared_.columns), 0.0), marginal(stride, 0.0);
-  for (std::size_t i = 0; i < width; ++i) {
-    double* sum = columns.data() + i * column_stride;
-    for (std::size_t j = 0; j < height; ++j)
-      sum[j + 1] = sum[j] + importance.value(static_cast<int>(i), static_cast<int>(j));
-    marginal[i + 1] = marginal[i] + sum[height];
-  }
-  if (Status done = write(columns_, columns); !done) return done;
+  if (Status done = tables_.upload(*device_, m, importance); !done) return done;
   if (settings_.method != Method::position_dependent_printed) return {};
-  return write(marginals_, marginal);
+  std::vector<double> marginal(static_cast<std::size_t>(shared_.stride), 0.0);
+  for (int i = 0; i < shared_.width; ++i)
+    marginal[static_cast<std::size_t>(i) + 1] = importance.corner(i + 1, shared_.height);
+  return device_->write(marginals_, m * marginal.size() * sizeof(double), std::as_bytes(std::span(marginal)));
 }
 
 /// The sequence, and each cell's rotation of it; as printed, one for all.
 Status ImageSamplerDevice::make_points() {
   const PointSet set(settings_.sequence, settings_.samples, settings_.seed);
   shared_.points = static_cast<int>(set.points().size());
-  std::vector<SamplingCell> cells;
-  for (const int number : numbers_) {
-    const Vec2 u = geometry_.sampling.cell_center_mm(geometry_.sampling.index(number));
-    const bool printed = settings_.method == Method::position_dependent_printed;
-    const UnitPoint shift = cell_shift(settings_.seed, printed ? 0 : static_cast<std::uint32_t>(number));
-    cells.push_back({u.x(), u.y(), shift.x, shift.y, number, 0});
-  }
+  const std::vector<SamplingCell> cells = sampling_cells(geometry_.sampling, numbers_, settings_.seed,
+                                                         settings_.method == Method::position_dependent_printed);
   if (Status done = device_->fill(points_, set.points(), "points"); !done) return done;
   return device_->fill(cells_, cells, "cells");
 }
@@ -146,8 +109,8 @@ unsigned ImageSamplerDevice::set_arguments(DeviceKernel& kernel) {
   kernel.set(number++, cells_);
   kernel.set(number++, images_);
   if (settings_.method != Method::uniform_box) {
-    kernel.set(number++, tables_);
-    kernel.set(number++, columns_);
+    kernel.set(number++, tables_.tables());
+    kernel.set(number++, tables_.columns());
   }
   if (settings_.method == Method::position_dependent_printed) kernel.set(number++, marginals_);
   kernel.set(number++, points_);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "renderer/methods/light_tables.h"
 #include "renderer/methods/sampled_device.h"
 
 namespace lumifield {
@@ -28,7 +29,8 @@ class ImageSamplerDevice final : public SampledDevice {
   Status upload_image(std::size_t m, const CellImage& cell);
   Status upload_tables(std::size_t m, const SummedAreaTable& importance);
 
-  DeviceBuffer cells_, images_, tables_, columns_, marginals_, points_;
+  LightTables tables_;
+  DeviceBuffer cells_, images_, marginals_, points_;
   std::vector<int> numbers_;  ///< of the cells in the grid
 };
 

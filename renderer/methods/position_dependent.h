@@ -3,9 +3,7 @@
 #include <vector>
 
 #include "renderer/methods/host_method.h"
-#include "renderer/methods/receiver_view.h"
-#include "renderer/methods/sampled_cell.h"
-#include "renderer/sampling/sequence.h"
+#include "renderer/methods/light_samples.h"
 
 namespace lumifield {
 
@@ -28,30 +26,15 @@ class PositionDependent final : public HostMethod {
   Result<std::vector<double>> light(const Receiver& receiver, std::uint32_t number, const Look& look) const override;
   Result<Estimate> estimate(const Receiver& receiver, std::uint32_t number, const Look& look) const override;
 
-  /// Pixels of the support's shorter side below which samples are uniform on U.
-  static constexpr double least_span_px = 4;
-
  private:
-  struct Balance {
-    std::vector<double> a, kappa;  ///< by cell
-    bool on_u;
-  };
-  Balance balance(const ReceiverView& view) const;
-  void draw(const ReceiverView& view, std::uint32_t number, const SampledCell& cell, bool on_u, double scale, int count,
-            std::vector<double>& sum) const;
-
   LuminaireGeometry geometry_;
   Basis basis_;
   MethodSettings settings_;
-  std::vector<SampledCell> cells_;
-  PointSet points_;
+  LightSamples lights_;
 };
 
 /// Adds scale · F C/importance of one sample.
 void add_sample(const ReceiverView& view, const SampledCell& cell, const Vec2& tau, int i, int j, double scale,
                 std::vector<double>& sum);
-
-/// The pixel under a point of U; false where it is beside the image.
-bool pixel_under(const ReceiverView& view, const Vec2& u_m, const Vec2& tau, int& i, int& j);
 
 }  // namespace lumifield
