@@ -153,7 +153,8 @@ void add_method(CLI::App& app, Options& o) {
                  "(default: the method's usual)")
       ->check(sample_count());
   app.add_option("--filter", o.filter,
-                 "filtered-brdf: each sample stands for a footprint, averaged (on: less noise, biased), or for a ray "
+                 "filtered-brdf, mis: each sample of a lobe stands for a footprint, averaged (on: less noise, biased), "
+                 "or for a ray "
                  "(off: unbiased)")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();

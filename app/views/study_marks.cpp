@@ -19,16 +19,17 @@ struct Pair {
 
 /// In the order of the methods. Chosen so that the least CIELAB distance of two of them, also as seen with a missing
 /// kind of cones, is as large as so many colours allow.
-constexpr std::array<Pair, 9> colours{{
-    {"#1d578e", "#5eaaf1"},
-    {"#7f2903", "#e3680a"},
-    {"#5e4b4b", "#aa7d88"},
-    {"#08a964", "#35fd81"},
-    {"#b38f19", "#ffc103"},
-    {"#ea47f2", "#d1b7d9"},
-    {"#9192a7", "#7f9256"},
-    {"#8309fc", "#8376ff"},
-    {"#210000", "#f9fffc"},
+constexpr std::array<Pair, 10> colours{{
+    {"#4021a5", "#5f8bcc"},
+    {"#8a1804", "#ff4201"},
+    {"#745763", "#c97d58"},
+    {"#3fa563", "#5dfaa8"},
+    {"#cc8212", "#ffde00"},
+    {"#cf60ff", "#e55688"},
+    {"#660063", "#acff7e"},
+    {"#8d8ec0", "#aab9d6"},
+    {"#8c00ff", "#a369ff"},
+    {"#1b1b1b", "#f9fffc"},
 }};
 
 /// Corners at equal angles, the first one up; with `inner` a star.
@@ -75,6 +76,9 @@ QPainterPath method_mark(Method method, double size) {
       break;
     case Method::filtered_brdf:
       path = polygon(6, 1.1 * r);
+      break;
+    case Method::mis:
+      path = polygon(8, 1.1 * r, 0.6 * r);
       break;
     case Method::far_field:
       path = polygon(5, 1.3 * r, 0.55 * r);

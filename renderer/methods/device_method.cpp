@@ -7,6 +7,7 @@
 #include "renderer/methods/host_evaluation.h"
 #include "renderer/methods/host_method.h"
 #include "renderer/methods/image_sampler_device.h"
+#include "renderer/methods/mis_device.h"
 #include "renderer/methods/precomputed_lights_device.h"
 #include "renderer/methods/summed_evaluation.h"
 #include "renderer/shift_invariant/shift_invariant_device.h"
@@ -132,6 +133,8 @@ Result<std::unique_ptr<DeviceMethod>> make_device_method(const LuminaireGeometry
       return as_method(PrecomputedLightsDevice::create(geometry, settings));
     case Method::filtered_brdf:
       return as_method(FilteredBrdfDevice::create(geometry, settings));
+    case Method::mis:
+      return as_method(MisDevice::create(geometry, settings));
     case Method::far_field:
       return as_method(FarFieldDevice::create(geometry, settings));
     case Method::shift_invariant:

@@ -7,7 +7,6 @@
 #ifndef CHANNELS
 #define CHANNELS 1
 #endif
-#define RAY_ARGUMENTS
 
 #include "renderer/methods/gloss_shared.h"
 #include "renderer/methods/sampling_shared.h"

@@ -6,6 +6,7 @@
 #include "renderer/methods/closed_form_tiles.h"
 #include "renderer/methods/far_field.h"
 #include "renderer/methods/filtered_brdf.h"
+#include "renderer/methods/mis.h"
 #include "renderer/methods/position_dependent.h"
 #include "renderer/methods/position_dependent_printed.h"
 #include "renderer/methods/precomputed_lights.h"
@@ -150,6 +151,8 @@ Result<std::unique_ptr<HostMethod>> make_host_method(const LightField& light_fie
       return std::make_unique<PrecomputedLights>(light_field, settings);
     case Method::filtered_brdf:
       return std::make_unique<FilteredBrdf>(light_field, settings);
+    case Method::mis:
+      return std::make_unique<Mis>(light_field, settings);
     case Method::far_field:
       return FarField::create(light_field, settings);
     case Method::shift_invariant:

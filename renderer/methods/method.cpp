@@ -24,6 +24,9 @@ constexpr std::array all{
                "samples of what each surface reflects, so many of its lobe and of its diffuse part, of averaged light "
                "(Colbert 2007)",
                MethodCost::samples, 200},
+    MethodInfo{Method::mis, "mis",
+               "light samples and samples of what each surface reflects, weighed against each other (Veach 1995)",
+               MethodCost::samples, 200},
     MethodInfo{Method::far_field, "far-field", "the luminaire as a point with an intensity distribution",
                MethodCost::none, 0},
     MethodInfo{Method::shift_invariant, "shift-invariant",

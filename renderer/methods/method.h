@@ -21,6 +21,7 @@ enum class Method {
   uniform_box,
   precomputed_lights,
   filtered_brdf,
+  mis,
   far_field,
   shift_invariant,
   reference,
@@ -61,7 +62,7 @@ struct MethodSettings {
   double k_max = 0;      ///< bound of the samples of a receiver in one cell; 0: none. Of the position-dependent alone
   std::uint32_t seed = 1;
   PointSequence sequence = PointSequence::halton;
-  bool filter = true;                       ///< filtered-brdf: a sample stands for a footprint, not for a ray
+  bool filter = true;                       ///< a lobe sample stands for a footprint, not for a ray
   Inversion inversion = Inversion::secant;  ///< in a cdf; another, or a depth, is of the host forms alone
   int depth = whole_depth;                  ///< of the search
   double memory_bytes = 0;                  ///< that tables may take on the host, or the device; 0: half of what it has
@@ -69,7 +70,7 @@ struct MethodSettings {
 };
 
 /// Whether its samples can be filtered (MethodSettings::filter).
-inline bool averages_light(Method method) { return method == Method::filtered_brdf; }
+inline bool averages_light(Method method) { return method == Method::filtered_brdf || method == Method::mis; }
 /// Of a method that draws whole samples for each receiver.
 inline int whole_samples(double samples) { return static_cast<int>(samples + 0.5); }
 

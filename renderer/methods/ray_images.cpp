@@ -17,14 +17,15 @@ RayImages::RayImages(const LuminaireGeometry& geometry, bool with_levels) : layo
   shared_.levels = static_cast<int>(layout_.levels().size());
 }
 
-Status RayImages::upload(OpenClDevice& device, const LightField& light_field, const MethodSettings& settings) {
+Status RayImages::upload(OpenClDevice& device, const LightField& light_field, const MethodSettings& settings,
+                         std::size_t further_bytes) {
   if (!layout_.fits())
     return fail("images of this size cannot be sampled", "the luminaire", "use smaller images or fewer cells");
   shared_.plane = static_cast<int>(layout_.plane_floats());
   shared_.image = static_cast<int>(layout_.image_floats());
   const std::vector<MeasuredCell> cells = measured_cells(light_field);
   const std::size_t bytes = layout_.image_floats() * sizeof(float);
-  if (const Status fits = check_table_memory(settings, static_cast<double>(bytes) * static_cast<double>(cells.size()),
+  if (const Status fits = check_table_memory(settings, static_cast<double>(cells.size() * bytes + further_bytes),
                                              static_cast<double>(device.memory_bytes()));
       !fits)
     return fits;

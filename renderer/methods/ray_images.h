@@ -13,7 +13,13 @@ class RayImages {
   RayImages(const LuminaireGeometry& geometry, bool with_levels);
 
   /// Errors: images beyond what a kernel counts, more than they may take, the device's.
-  Status upload(OpenClDevice& device, const LightField& light_field, const MethodSettings& settings);
+  /// further_bytes: of other tables, which count with the images.
+  Status upload(OpenClDevice& device, const LightField& light_field, const MethodSettings& settings,
+                std::size_t further_bytes = 0);
+  /// Floats from row to row of an image's finest level.
+  std::size_t stride() const {
+    return layout_.levels().empty() ? 0 : static_cast<std::size_t>(layout_.levels()[0].stride);
+  }
   /// But the samples and points.
   const RayGeometry& geometry() const { return shared_; }
   /// Of each cell of the grid its image, −1 where unmeasured; the levels; the images.

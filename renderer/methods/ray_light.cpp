@@ -45,17 +45,16 @@ RayLight::Range RayLight::range(int axis, double u_mm, double width_mm) const {
 }
 
 RayLight::Reach RayLight::reach(int axis, double u_mm, double u_m_mm, double width_mm) const {
-  const double a = geometry_.sampling.spacing_mm[axis], tau = (u_mm - u_m_mm) / a, half = basis_.half_support();
+  const double a = geometry_.sampling.spacing_mm[axis], tau = (u_mm - u_m_mm) / a;
   const double by = widened_by(axis, width_mm);
-  if (by == 0) return {basis_(tau), 1, u_mm, width_mm};
+  if (by == 0) return {basis_(tau), u_mm, width_mm};
   const double low = tau - by / 2, high = tau + by / 2;
   const double side = width_mm / a / 2;
   const double from = std::clamp(tau - side, -half_box_, half_box_), to = std::clamp(tau + side, -half_box_, half_box_);
-  return {basis_.moment(0, low, high) / by, std::max(std::min(high, half) - std::max(low, -half), 0.0) / by,
-          u_m_mm + a * (from + to) / 2, a * (to - from)};
+  return {basis_.moment(0, low, high) / by, u_m_mm + a * (from + to) / 2, a * (to - from)};
 }
 
-bool RayLight::part(const ReceiverView& view, const Cell& cell, const Vec2& u, double width_mm, Part& part) const {
+void RayLight::part(const ReceiverView& view, const Cell& cell, const Vec2& u, double width_mm, Part& part) const {
   const Vec2& u_m = cell.image.u_mm;
   const Reach x = reach(0, u.x(), u_m.x(), width_mm), y = reach(1, u.y(), u_m.y(), width_mm);
   const Vec2 center(x.center_mm, y.center_mm), tau = (center - u_m).cwiseQuotient(geometry_.sampling.spacing_mm);
@@ -64,7 +63,6 @@ bool RayLight::part(const ReceiverView& view, const Cell& cell, const Vec2& u, d
   const double area = r * r * x.size_mm * y.size_mm / geometry_.measurement.pixel_mm.prod();
   const double level = area > 1 ? 0.5 * std::log2(area) : 0;
   part.number = cell.image.number;
-  part.in_support = x.in_support * y.in_support;
   const Vec3& p = view.receiver().p_mm;
   const double delta = geometry_.planes.separation_mm;
   const auto slant2 = [&](const Vec2& at) { return 1 + ((at - p.head<2>()) / p.z()).squaredNorm(); };  // 1/cos²θ
@@ -72,12 +70,7 @@ bool RayLight::part(const ReceiverView& view, const Cell& cell, const Vec2& u, d
   part.factor = delta * delta * here * here * spread * x.phi * y.phi *
                 view.seen(geometry_.sampling.index(static_cast<int>(cell.image.number)), tau);
   part.value.resize(static_cast<std::size_t>(cell.image.image->channels));
-  bool any = false;
-  for (std::size_t c = 0; c < part.value.size(); ++c) {
-    part.value[c] = value(cell, c, on_s, level);
-    any |= part.value[c] != 0;
-  }
-  return any;
+  for (std::size_t c = 0; c < part.value.size(); ++c) part.value[c] = value(cell, c, on_s, level);
 }
 
 double RayLight::value(const Cell& cell, std::size_t channel, const Vec2& on_s, double level) const {

@@ -37,11 +37,9 @@ class RayLight {
   struct Part {
     std::uint32_t number;       ///< of the cell, Sampling::flat
     double factor;              ///< Φ_m δ²/cos⁴θ, averaged, times what is seen of it
-    double in_support;          ///< 1 where u is in the support of Φ_m; averaged as Φ_m is
     std::vector<double> value;  ///< C_m by channel, averaged
   };
-  /// Calls visit(part) for each cell that the ray or its footprint meets and of which it shows a pixel. width_mm: w, 0
-  /// for a single ray.
+  /// Calls visit(part) for each cell that the ray or its footprint meets. width_mm: w, 0 for a single ray.
   template <class Visit>
   void over_parts(const ReceiverView& view, const Vec2& u_mm, double width_mm, const Visit& visit) const;
 
@@ -55,14 +53,13 @@ class RayLight {
   };
   /// One axis of a footprint in one cell.
   struct Reach {
-    double phi, in_support;
+    double phi;
     double center_mm, size_mm;  ///< of C's average, on U
   };
   Reach reach(int axis, double u_mm, double u_m_mm, double width_mm) const;
   /// w as it counts.
   static double width(const ReceiverView& view, const Vec2& u_mm, double width_mm);
-  /// Of a cell; false where there is nothing.
-  bool part(const ReceiverView& view, const Cell& cell, const Vec2& u_mm, double width_mm, Part& part) const;
+  void part(const ReceiverView& view, const Cell& cell, const Vec2& u_mm, double width_mm, Part& part) const;
   double value(const Cell& cell, std::size_t channel, const Vec2& on_s_px, double level) const;
   double texel(const Cell& cell, std::size_t channel, const Vec2& on_s_px, int level) const;
   /// Cells on an axis that a footprint about u meets: the first, and the end.
@@ -91,7 +88,9 @@ void RayLight::over_parts(const ReceiverView& view, const Vec2& u_mm, double wid
     for (int column = columns.first; column < columns.end; ++column) {
       const int number = geometry_.sampling.flat({row, column});
       const int at = by_number_[static_cast<std::size_t>(number)];
-      if (at >= 0 && part(view, cells_[static_cast<std::size_t>(at)], u_mm, width_mm, one)) visit(one);
+      if (at < 0) continue;
+      part(view, cells_[static_cast<std::size_t>(at)], u_mm, width_mm, one);
+      visit(one);
     }
 }
 

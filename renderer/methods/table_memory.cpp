@@ -14,6 +14,8 @@ double host_table_bytes(const LuminaireGeometry& geometry, const MethodSettings&
   const double summed_area =
       sizeof(double) * (static_cast<double>(m.pixels()) + (m.width_px + 1.0) * (m.height_px + 1.0));
   const double cdfs = sizeof(double) * m.width_px * (2.0 * m.height_px + 1);
+  const double coarser_levels =
+      cells * static_cast<double>(m.pixels()) * static_cast<double>(geometry.channels.size()) * sizeof(double) / 3;
   switch (settings.method) {
     case Method::position_dependent:
       return cells * summed_area;
@@ -30,14 +32,11 @@ double host_table_bytes(const LuminaireGeometry& geometry, const MethodSettings&
     }
     case Method::shift_invariant:
       // Levels of detail of a look-up.
-      return settings.spots.look_up == SpotLookUp::weighted
-                 ? 0
-                 : cells * static_cast<double>(m.pixels()) * static_cast<double>(geometry.channels.size()) *
-                       sizeof(double) / 3;
-    case Method::filtered_brdf:  // coarser levels
-      return settings.filter ? cells * static_cast<double>(m.pixels()) * static_cast<double>(geometry.channels.size()) *
-                                   sizeof(double) / 3
-                             : 0;
+      return settings.spots.look_up == SpotLookUp::weighted ? 0 : coarser_levels;
+    case Method::filtered_brdf:
+      return settings.filter ? coarser_levels : 0;
+    case Method::mis:
+      return cells * summed_area + (settings.filter ? coarser_levels : 0);
     case Method::uniform_box:
     case Method::far_field:  // its table is bounded where it is made
       break;

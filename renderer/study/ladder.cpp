@@ -25,6 +25,7 @@ std::vector<Rungs> ladder(const StudyLook& look) {
       {Method::uniform_box, few, {16, 50, 100, 200, 400, 1000, 4000, 16000, 64000}, 1000},
       {Method::precomputed_lights, {1000, 10000}, {1000, 10000, 63000, 250000}, 1000},
       {Method::filtered_brdf, few, {16, 50, 100, 200, 400, 1000, 4000, 16000}, 200},
+      {Method::mis, few, {16, 50, 100, 200, 400, 1000, 4000, 16000}, 200},
       {Method::far_field, {0}, {0}, 0},
       {Method::shift_invariant, {0}, {0}, 0},
   };

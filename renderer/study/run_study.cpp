@@ -6,6 +6,7 @@
 #include "renderer/study/frame_figures.h"
 #include "renderer/study/ladder.h"
 #include "renderer/study/ladder_rows.h"
+#include "renderer/study/mis_figures.h"
 #include "renderer/study/paper_figures.h"
 #include "renderer/study/shadow_figures.h"
 #include "renderer/study/stability.h"
@@ -52,7 +53,7 @@ class StudyRun {
     }
     if (job_.ladders_only) return {};
     if (first || !job_.quick)
-      if (Status done = figures(shadow_figures(camera_, luminaire, part(k, 0.9, 0.95))); !done) return done;
+      if (Status done = shadows_and_mixtures(k); !done) return done;
     return last ? figures(frame_figures(camera_, luminaire, job_.quick, part(k, 0.95, 1))) : Status{};
   }
 
@@ -94,6 +95,11 @@ class StudyRun {
   void take(const Climb& climb) {
     study_.points.insert(study_.points.end(), climb.points.begin(), climb.points.end());
     without_.insert(without_.end(), climb.without.begin(), climb.without.end());
+  }
+  Status shadows_and_mixtures(std::size_t k) {
+    const StudyLuminaire& luminaire = job_.luminaires[k];
+    if (Status done = figures(shadow_figures(camera_, luminaire, part(k, 0.9, 0.92))); !done) return done;
+    return figures(mis_figures(camera_, luminaire, job_.cache, job_.quick, part(k, 0.92, 0.95)));
   }
   Status figures(Result<std::vector<FigureRow>> rows) {
     if (!rows) return tl::unexpected(rows.error());

@@ -33,7 +33,7 @@ INSTANTIATE_TEST_SUITE_P(All, DeviceLooks,
                          testing::Combine(testing::Values(Method::closed_form, Method::position_dependent,
                                                           Method::position_dependent_printed, Method::uniform_box,
                                                           Method::precomputed_lights, Method::filtered_brdf,
-                                                          Method::far_field, Method::shift_invariant),
+                                                          Method::mis, Method::far_field, Method::shift_invariant),
                                           testing::Values(1, 3)),
                          [](const auto& each) {
                            std::string name(to_string(std::get<0>(each.param)));

@@ -41,9 +41,8 @@ class DeviceMethodState : public testing::TestWithParam<Method> {
 INSTANTIATE_TEST_SUITE_P(All, DeviceMethodState,
                          testing::Values(Method::closed_form, Method::position_dependent,
                                          Method::position_dependent_printed, Method::uniform_box,
-                                         Method::precomputed_lights, Method::filtered_brdf, Method::far_field,
-                                         Method::shift_invariant,
-                                         Method::reference),
+                                         Method::precomputed_lights, Method::filtered_brdf, Method::mis,
+                                         Method::far_field, Method::shift_invariant, Method::reference),
                          [](const auto& each) {
                            std::string name(to_string(each.param));
                            std::erase(name, '-');

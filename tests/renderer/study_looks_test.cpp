@@ -4,6 +4,7 @@
 #include "renderer/study/frame_figures.h"
 #include "renderer/study/ladder.h"
 #include "renderer/study/ladder_rows.h"
+#include "renderer/study/mis_figures.h"
 #include "renderer/study/reference_cache.h"
 #include "renderer/study/shadow_figures.h"
 #include "tests/support/study_fixture.h"
@@ -177,6 +178,24 @@ TEST(FrameRows, AreSharesOfTheWholeFrameAndItsRate) {
     EXPECT_EQ(row.luminaire, "car2");
     EXPECT_TRUE(row.what.starts_with("size: ")) << row.what;
   }
+}
+
+TEST_F(StudyLooks, MixedSamplesStandBesideTheirParts) {
+  const auto corner = camera_of("corner");
+  const auto rows = mis_figures(*corner, *luminaire_, {}, true, go_on);
+  ASSERT_TRUE(rows) << rows.error().message();
+  ASSERT_EQ(rows->size(), 4U * (1 + 2 * 3)) << "diffuse once, three lobes as seen and mirroring the lamp";
+  for (std::size_t k = 0; k < rows->size(); k += 4) {
+    const double parts = std::min((*rows)[k].ours, (*rows)[k + 1].ours), mis = (*rows)[k + 2].ours;
+    EXPECT_GT(parts, 0) << (*rows)[k].what;
+    EXPECT_NEAR((*rows)[k + 3].ours, mis / parts, 1e-12) << (*rows)[k + 3].what;
+  }
+  // What mis itself says depends on no time.
+  for (const char* what : {"diffuse: mis", "GGX 0.1, the lamp mirrored: mis", "GGX 1: mis"})
+    EXPECT_LT(ours(*rows, what, "relative RMSE in equal time"), 15) << what;
+  const auto stopped = mis_figures(*corner, *luminaire_, {}, true, stop);
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().kind, ErrorKind::stopped);
 }
 
 TEST_F(StudyLooks, AWholeFrameIsTakenApart) {

@@ -1,0 +1,24 @@
+#pragma once
+
+// What host and kernel of multiple importance sampling share beside SamplingGeometry and RayGeometry.
+
+/// A lobe is told by a square about its axis, on U, so many of its widths (LobeDistribution::width) wide: by what share
+/// of that the lamp fills. From MIS_SHOWS on there are lobe samples, from MIS_NARROW on more of them than of the light.
+#define MIS_REACH 4.0
+#define MIS_SHOWS (1.0 / 32)
+#define MIS_NARROW (1.0 / 24)
+/// How many single rays an averaged one counts as.
+#define MIS_WORTH 8.0
+
+/// Samples of a receiver (MisCounts), and the points in the table of each kind of lobe samples.
+typedef struct MisShares {
+  double light, light_beside;
+  int diffuse, wide, narrow;
+  int diffuse_points, wide_points, narrow_points;
+} MisShares;
+
+#ifndef __OPENCL_C_VERSION__
+#include <cstddef>
+static_assert(sizeof(MisShares) == 40 && offsetof(MisShares, diffuse) == 16 &&
+              offsetof(MisShares, narrow_points) == 36);
+#endif

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "renderer/study/study_bench.h"
+
+namespace lumifield {
+
+/// mis beside its two parts, position-dependent and filtered-brdf, at equal kernel time: that of mis with its usual K.
+/// Per roughness of a GGX lobe with F0 = common_f0 on every surface, and diffuse: what is seen of up to 256 receivers
+/// of the scene, unshadowed, its relative RMSE over a few seeds by each, and that of mis over the better of the others;
+/// once as the scene is seen, and for lobes again by eyes that each see the lamp mirrored. Errors: those of
+/// StudyCamera::frame and of the methods, stopped.
+Result<std::vector<FigureRow>> mis_figures(StudyCamera& camera, const StudyLuminaire& luminaire,
+                                           const std::filesystem::path& cache, bool quick,
+                                           const StudyProgress& progress);
+
+}  // namespace lumifield
