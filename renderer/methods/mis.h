@@ -35,8 +35,8 @@ MisCounts mis_counts(double samples);
 ///     E ≈ Σ_m Σ_{k ≤ K_m} F_m/(q_m + b)(ω_mk) + Σ_{k ≤ N} Σ_m F_m/(q_m + b)(ω_k)
 ///
 /// unbiased at any K. A light sample costs what PositionDependent's does, and where b = 0 is one, with its regularity:
-/// weighed by all cells that could have drawn u (MATHS.md § 3) it would be less noisy of independent points, but dearer
-/// by half, and of the Halton sequence noisier.
+/// weighed by all cells that could have drawn u (MATHS.md § 3) it would be less noisy, but dearer, and keep less of the
+/// Halton sequence's regularity: in equal time better for some samples a cell, worse for more.
 ///
 /// Which lobe is sampled, and how many rays of either kind there are, follows from the receiver's geometry alone, so
 /// that no pilot biases it: K_L = K where lobes show little of the lamp (mis_shared.h), since there light samples are
