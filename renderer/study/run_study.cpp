@@ -9,6 +9,7 @@
 #include "renderer/study/mis_figures.h"
 #include "renderer/study/paper_figures.h"
 #include "renderer/study/shadow_figures.h"
+#include "renderer/study/spot_figures.h"
 #include "renderer/study/stability.h"
 
 namespace lumifield {
@@ -57,24 +58,30 @@ class StudyRun {
     return last ? figures(frame_figures(camera_, luminaire, job_.quick, part(k, 0.95, 1))) : Status{};
   }
 
+  Status spotlights() {
+    if (job_.ladders_only) return {};
+    take(constant_distance_figures());
+    return figures(spot_speed_figures(job_.quick, after_ladders(0, 0.2)));
+  }
+
   Status environment() {
     if (job_.ladders_only || !job_.scene.environment) return {};
     const auto environment = LatLong::read(*job_.scene.environment);
     if (!environment) return tl::unexpected(environment.error());
-    return figures(environment_figures(*environment, after_ladders(0, 0.3)));
+    return figures(environment_figures(*environment, after_ladders(0.2, 0.4)));
   }
 
   Status stability() {
     study_.stability = without_;
     if (job_.ladders_only) return {};
-    auto table = stability_table(after_ladders(job_.scene.environment ? 0.3 : 0, 1));
+    auto table = stability_table(after_ladders(job_.scene.environment ? 0.4 : 0.2, 1));
     if (!table) return tl::unexpected(table.error());
     study_.stability.insert(study_.stability.begin(), table->begin(), table->end());
     return {};
   }
 
  private:
-  /// The ladders take most of the time, environment and table the rest.
+  /// The ladders take most of the time, spotlights, environment and table the rest.
   static constexpr double ladders = 0.85;
 
   StudyProgress part(std::size_t k, double from, double to) const {
@@ -133,6 +140,7 @@ Result<Study> run_study(const StudyJob& job, const StudyProgress& progress) {
   StudyRun run(job, **camera, progress, study);
   for (std::size_t k = 0; k < job.luminaires.size(); ++k)
     if (const Status done = run.luminaire(k); !done) return tl::unexpected(done.error());
+  if (const Status done = run.spotlights(); !done) return tl::unexpected(done.error());
   if (const Status done = run.environment(); !done) return tl::unexpected(done.error());
   if (const Status done = run.stability(); !done) return tl::unexpected(done.error());
   progress(1, "done");
