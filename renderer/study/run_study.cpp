@@ -9,6 +9,7 @@
 #include "renderer/study/mis_figures.h"
 #include "renderer/study/paper_figures.h"
 #include "renderer/study/shadow_figures.h"
+#include "renderer/study/spot_error_figures.h"
 #include "renderer/study/spot_figures.h"
 #include "renderer/study/stability.h"
 

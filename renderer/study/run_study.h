@@ -19,7 +19,7 @@ struct StudyJob {
 /// The whole study: the ladder of every method on every luminaire, one point of each at 1024×768 on the first; the
 /// ladders of closed-form and position-dependent in shadow, and with gloss on the first; shadows beside the
 /// reference's; mis beside its parts; a whole frame of the last luminaire at all its places; the stability table; the
-/// paper's figures; and where the scene names an environment, those of gloss lit by it; and those of shift-invariant.
+/// paper's figures; those of shift-invariant; and where the scene names an environment, those of gloss lit by it.
 /// If quick, looks, shadows and mis are the first luminaire's alone. Opens an EGL context and OpenCL on the calling
 /// thread. Errors: the scene's and its environment's, no EGL, no OpenCL, a luminaire that lights nothing seen, stopped
 /// (ErrorKind::stopped).

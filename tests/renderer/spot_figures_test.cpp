@@ -9,6 +9,7 @@
 #include "renderer/renderer.h"
 #include "renderer/scene/mesh.h"
 #include "renderer/study/hall.h"
+#include "renderer/study/spot_error_figures.h"
 
 namespace lumifield {
 namespace {
