@@ -110,7 +110,7 @@ TEST_F(StudyPanelTest, ShowsChartAndTable) {
 
   // The reason of a refusal is the cell's tooltip.
   StabilityView& table = panel.table();
-  const QModelIndex far = table.model()->index(0, 5);
+  const QModelIndex far = table.model()->index(0, static_cast<int>(Method::far_field));
   table.scrollTo(far);
   const QPoint at = table.visualRect(far).center();
   QHelpEvent help(QEvent::ToolTip, at, table.viewport()->mapToGlobal(at));
