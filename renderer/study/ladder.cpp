@@ -24,8 +24,8 @@ std::vector<Rungs> ladder(const StudyLook& look) {
       {Method::position_dependent_printed, {16, 50, 200}, {16, 50, 100, 200, 400, 1000, 4000}, 200},
       {Method::uniform_box, few, {16, 50, 100, 200, 400, 1000, 4000, 16000, 64000}, 1000},
       {Method::precomputed_lights, {1000, 10000}, {1000, 10000, 63000, 250000}, 1000},
-      {Method::filtered_brdf, few, {16, 50, 100, 200, 400, 1000, 4000, 16000}, 200},
-      {Method::mis, few, {16, 50, 100, 200, 400, 1000, 4000, 16000}, 200},
+      {Method::filtered_brdf, {16, 200}, {16, 50, 100, 200, 400, 1000, 4000}, 16},
+      {Method::mis, {50, 200}, {16, 50, 100, 200, 400, 1000, 4000}, 50},
       {Method::far_field, {0}, {0}, 0},
       {Method::shift_invariant, {0}, {0}, 0},
   };
@@ -39,7 +39,7 @@ MethodSettings settings_of(Method method, double cost) {
 }
 
 /// What takes long is repeated less.
-int repeats_for(double first_s) { return first_s < 0.5 ? 7 : 3; }
+int repeats_for(double first_s) { return first_s < 0.5 ? 7 : first_s < 5 ? 3 : 1; }
 
 std::string words(Method method, const StudyBench& bench, double cost) {
   std::string text = bench.name() + ", " + std::string(to_string(method));
