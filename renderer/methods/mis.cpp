@@ -12,7 +12,7 @@ namespace lumifield {
 
 MisCounts mis_counts(double samples) {
   const auto whole = [&](double share) { return static_cast<int>(std::min(share * samples, most_samples)); };
-  return {samples, samples / 4, whole(0.5), whole(1), whole(4)};
+  return {samples, samples / 2, whole(0.5), whole(1), whole(4)};
 }
 
 /// What all samples of a receiver have in common.

@@ -17,7 +17,7 @@ struct MisCounts {
   double light, light_beside;
   int diffuse, wide, narrow;
 };
-/// K; K/4; K/2; K; 4 K.
+/// K; K/2; K/2; K; 4 K.
 MisCounts mis_counts(double samples);
 
 /// Multiple importance sampling (Veach, Guibas 1995) of PositionDependent's light samples with FilteredBrdf's lobe
@@ -41,7 +41,7 @@ MisCounts mis_counts(double samples);
 /// Which lobe is sampled, and how many rays of either kind there are, follows from the receiver's geometry alone, so
 /// that no pilot biases it: K_L = K where lobes show little of the lamp (mis_shared.h), since there light samples are
 /// the better of the two for gloss too, and lobe samples time lost; of a glossy lobe that shows it N = K, or where it
-/// is narrow 4 K beside K/4, since there its light outshines what is diffuse and lobe samples are far better; else of
+/// is narrow 4 K beside K/2, since there its light outshines what is diffuse and lobe samples are far better; else of
 /// the diffuse one K/2, which is near the lamp.
 ///
 /// Filtered, a glossy lobe's samples stand for the footprint of Ω = 1/b and look up the average L̄ (RayLight). A weight

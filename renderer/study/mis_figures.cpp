@@ -14,7 +14,7 @@ namespace lumifield {
 
 namespace {
 
-constexpr int width = 256, height = 192, most_receivers = 256, seeds = 10;
+constexpr int width = 256, height = 192, most_receivers = 1024, seeds = 6;
 constexpr std::uint32_t strata_seed = 7, mirror_seed = 11;
 constexpr std::array compared{Method::position_dependent, Method::filtered_brdf, Method::mis};
 

@@ -5,7 +5,7 @@
 namespace lumifield {
 
 /// mis beside its two parts, position-dependent and filtered-brdf, at equal kernel time: that of mis with its usual K.
-/// Per roughness of a GGX lobe with F0 = common_f0 on every surface, and diffuse: what is seen of up to 256 receivers
+/// Per roughness of a GGX lobe with F0 = common_f0 on every surface, and diffuse: what is seen of up to 1,024 receivers
 /// of the scene, unshadowed, its relative RMSE over a few seeds by each, and that of mis over the better of the others;
 /// once as the scene is seen, and for lobes again by eyes that each see the lamp mirrored. Errors: those of
 /// StudyCamera::frame and of the methods, stopped.
