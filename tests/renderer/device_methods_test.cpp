@@ -11,6 +11,7 @@
 #include "renderer/opencl/device.h"
 #include "renderer/renderer.h"
 #include "renderer/study/synthetic_luminaire.h"
+#include "tests/support/kernel_layout.h"
 #include "tests/support/small_luminaire.h"
 
 namespace lumifield {
@@ -236,13 +237,7 @@ TEST_F(DeviceMethods, RefuseWhatTheirHostFormsRefuse) {
 }
 
 TEST_F(DeviceMethods, SharedStructsLieAlike) {
-  auto device = OpenClDevice::create().value();
-  auto kernel = device->build("position_dependent", "", "sampling_layout").value();
-  const auto buffer = device->allocate(11 * sizeof(int), "layout").value();
-  kernel.set(0, buffer);
-  ASSERT_TRUE(device->run(kernel, 1, 1));
-  std::vector<int> layout(11);
-  ASSERT_TRUE(device->read(buffer, std::as_writable_bytes(std::span(layout))));
+  const std::vector<int> layout = test::layout_by("position_dependent", "sampling_layout", 11);
   EXPECT_EQ(layout, (std::vector<int>{sizeof(SamplingGeometry), offsetof(SamplingGeometry, width),
                                       offsetof(SamplingGeometry, first_receiver), offsetof(SamplingGeometry, seed),
                                       sizeof(SamplingReceiver), offsetof(SamplingReceiver, n_z), sizeof(SamplingCell),

@@ -1,100 +1,27 @@
 // The kernel against its host form in double: the same directions, so the same light but for the few rays that rounding
 // puts into another pixel.
-#include <cmath>
 #include <gtest/gtest.h>
 
-#include "renderer/methods/device_method.h"
-#include "renderer/methods/host_method.h"
 #include "renderer/methods/lobe_sampling_shared.h"
 #include "renderer/methods/ray_light_shared.h"
-#include "renderer/opencl/device.h"
-#include "renderer/renderer.h"
-#include "tests/support/random_looks.h"
-#include "tests/support/small_luminaire.h"
+#include "tests/support/host_and_kernel.h"
+#include "tests/support/kernel_layout.h"
 
 namespace lumifield {
 namespace {
 
-std::vector<Receiver> receivers() {
-  std::vector<Receiver> all;
-  for (int k = 0; k < 200; ++k) {
-    const double x = 40 * std::sin(1.3 * k), y = 30 * std::cos(2.1 * k);
-    const double heights[] = {90, 140, 250, 700, 62, 60, 59, 35, 5, -4};
-    const double z = heights[k % 10];
-    all.push_back({{x * z / 150, y * z / 150, z}, Vec3(0.3 * std::sin(k), 0.3 * std::cos(k), -1).normalized()});
-  }
-  all[7].n = {0, 0, 0};
-  return all;
-}
-
-class FilteredBrdfDevice : public testing::TestWithParam<std::tuple<BasisKind, int, bool, PointSequence>> {
- protected:
-  void SetUp() override {
-    if (const auto found = probe_opencl(); !found) GTEST_SKIP() << found.error().message();
-  }
-};
-INSTANTIATE_TEST_SUITE_P(All, FilteredBrdfDevice,
-                         testing::Combine(testing::Values(BasisKind::box, BasisKind::tent, BasisKind::bell,
-                                                          BasisKind::bspline2),
-                                          testing::Values(1, 3), testing::Bool(),
-                                          testing::Values(PointSequence::halton, PointSequence::twister)));
+class FilteredBrdfDevice : public test::HostAndKernel {};
+INSTANTIATE_TEST_SUITE_P(All, FilteredBrdfDevice, test::host_and_kernel_cases());
 
 TEST_P(FilteredBrdfDevice, DrawsAsItsHostFormDoes) {
-  const auto [basis, channels, filter, sequence] = GetParam();
-  SyntheticLuminaire small = test::small_luminaire();
-  small.basis = basis;
-  small.seed = 5;
-  const LightField field = make_luminaire(small, channels);
-  const std::vector<Receiver> at = receivers();
-  const MethodSettings settings{
-      .method = Method::filtered_brdf, .samples = 40, .seed = 3, .sequence = sequence, .filter = filter};
-  const auto host = make_host_method(field, settings).value();
-  const auto device = make_device_method(field.geometry(), settings).value();
-  ASSERT_TRUE(device->set_cells(field));
-  for (const bool looks : {false, true}) {
-    const auto weighing = basis == BasisKind::tent ? ShadowWeighing::mean : ShadowWeighing::tile;
-    Appearance appearance;
-    if (looks)
-      appearance = {test::random_lobes(at, basis == BasisKind::bell),
-                    test::random_visibility(field.geometry().sampling, at.size(), weighing)};
-    ASSERT_TRUE(device->set_receivers(at, appearance));
-    ASSERT_TRUE(device->evaluate(HUGE_VAL).value());
-    std::vector<double> e, gloss;
-    ASSERT_TRUE(device->read(e));
-    ASSERT_TRUE(device->read_gloss(gloss));
-    const auto values = static_cast<std::size_t>(channels), outs = device->gloss_channels();
-    int strays = 0;
-    double all = 0, shone = 0;
-    for (std::size_t k = 0; k < at.size(); ++k) {
-      const std::vector<double> wanted = at[k].n == Vec3(0, 0, 0)
-                                             ? std::vector<double>(values, 0.0)
-                                             : host->light(at[k], std::uint32_t(k), appearance.look(k)).value();
-      const auto compare = [&](double got, double want) {
-        EXPECT_TRUE(std::isfinite(got));
-        strays += std::abs(got - want) > 1e-5 * std::abs(want) + 1e-7;
-      };
-      for (std::size_t c = 0; c < values; ++c) compare(e[k * values + c], wanted[c]), all += wanted[c];
-      const std::size_t given = wanted.size() - values;
-      for (std::size_t c = 0; given > 0 && c < outs; ++c)
-        compare(gloss[k * outs + c], wanted[values + c % given]), shone += wanted[values + c % given];
-    }
-    EXPECT_GT(all, 0);
-    EXPECT_EQ(shone > 0, looks);
-    EXPECT_LE(strays, 2 * channels);
-  }
+  expect_as_host(Method::filtered_brdf, test::receivers_at_all_heights(200), test::random_lobes, {1e-5, 1e-5, 2});
 }
 
 TEST(RayStructs, LieAlike) {
   if (const auto found = probe_opencl(); !found) GTEST_SKIP() << found.error().message();
-  auto device = OpenClDevice::create().value();
-  auto kernel = device->build("filtered_brdf", "", "ray_layout").value();
-  std::vector<int> layout(5);
-  const auto buffer = device->allocate(layout.size() * sizeof(int), "layout").value();
-  kernel.set(0, buffer);
-  ASSERT_TRUE(device->run(kernel, 1, 1));
-  ASSERT_TRUE(device->read(buffer, std::as_writable_bytes(std::span(layout))));
-  EXPECT_EQ(layout, (std::vector<int>{sizeof(RayGeometry), offsetof(RayGeometry, columns),
-                                      offsetof(RayGeometry, filter), sizeof(LobePoint), offsetof(LobePoint, sin_phi)}));
+  EXPECT_EQ(test::layout_by("filtered_brdf", "ray_layout", 5),
+            (std::vector<int>{sizeof(RayGeometry), offsetof(RayGeometry, columns), offsetof(RayGeometry, filter),
+                              sizeof(LobePoint), offsetof(LobePoint, sin_phi)}));
 }
 
 }  // namespace

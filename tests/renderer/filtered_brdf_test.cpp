@@ -7,71 +7,17 @@
 
 #include "renderer/methods/closed_form.h"
 #include "renderer/methods/seen_tiles.h"
-#include "renderer/study/synthetic_luminaire.h"
 #include "tests/support/deviations.h"
-#include "tests/support/small_luminaire.h"
+#include "tests/support/sampling_cases.h"
 
 namespace lumifield {
 namespace {
 
-LightField small_luminaire(int channels = 1, BasisKind basis = BasisKind::bell) {
-  SyntheticLuminaire small = test::small_luminaire();
-  small.basis = basis;
-  small.spacing_mm = 8;
-  small.pixels = 40;
-  small.pixel_mm = 2;
-  small.seed = 5;
-  return make_luminaire(small, channels);
-}
-
-struct Case {
-  const char* name;
-  Receiver receiver;
-};
-const Vec3 towards = Vec3(0.2, -0.1, -1).normalized();
-const Case beyond{"beyond S", {{6, -4, 140}, towards}};
-const Case near_s{"near S", {{3, -2, 66}, towards}};
-const Case on_s{"on S", {{3, -2, 60}, towards}};
-const Case between{"between the planes", {{2, 1, 25}, towards}};
-const Case grazing{"grazing", {{6, -4, 140}, Vec3(0.97, 0.2, -0.03).normalized()}};
-
-/// Mirrors the middle of the lamp.
-Look shining(const Receiver& receiver, int kind, float shape, float green = 0.5F) {
-  const Vec3 to_light = -receiver.p_mm.normalized(), eye = 2 * receiver.n.dot(to_light) * receiver.n - to_light;
-  const Eigen::Vector3f o = eye.cast<float>();
-  Look look;
-  look.lobe = {o.x(), o.y(), o.z(), shape, 0.5F, green, 0.5F, kind};
-  return look;
-}
-
-/// Of the irradiance, or the radiance by gloss.
-double exact(const LightField& field, const Receiver& receiver, const Look& look, std::size_t value) {
-  return make_host_method(field, {.method = Method::reference}).value()->light(receiver, 0, look).value()[value];
-}
-
-/// Mean and RMS error over seeds of one value.
-struct Runs {
-  double mean = 0, error = 0, rms = 0;
-};
-Runs runs(const LightField& field, MethodSettings settings, const Receiver& receiver, const Look& look,
-          std::size_t value, double reference, int seeds) {
-  Runs all;
-  double squares = 0;
-  for (int seed = 1; seed <= seeds; ++seed) {
-    settings.seed = static_cast<std::uint32_t>(seed);
-    const double e = make_host_method(field, settings).value()->light(receiver, 17, look).value()[value];
-    all.mean += e / seeds;
-    squares += e * e / seeds;
-    all.rms += (e - reference) * (e - reference) / seeds;
-  }
-  all.error = std::sqrt(std::max(squares - all.mean * all.mean, 0.0) / (seeds - 1));
-  all.rms = std::sqrt(all.rms);
-  return all;
-}
+using namespace test;
 
 TEST(RayLight, IntegratesToTheClosedForm) {
   for (const BasisKind basis : {BasisKind::box, BasisKind::tent, BasisKind::bell, BasisKind::bspline2}) {
-    const LightField field = small_luminaire(3, basis);
+    const LightField field = sampled_luminaire(3, basis);
     const RayLight rays(field, false);
     for (const Case& c : {beyond, near_s, on_s, between}) {
       const ReceiverView view(field.geometry(), rays.basis(), c.receiver);
@@ -89,7 +35,7 @@ TEST(RayLight, IntegratesToTheClosedForm) {
 
 TEST(RayLight, AveragedOverAFootprintKeepsTheLight) {
   // Of even cells: whatever the footprint, all rays to a receiver have the same light together.
-  LightField field = small_luminaire();
+  LightField field = sampled_luminaire();
   const LuminaireGeometry g = field.geometry();
   for (int k = 0; k < g.sampling.cells(); ++k) {
     CellImage even = *field.cell(g.sampling.index(k));
@@ -116,7 +62,7 @@ TEST(RayLight, AveragedOverAFootprintKeepsTheLight) {
 }
 
 TEST(FilteredBrdf, UnfilteredIsUnbiased) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   for (const Case& c : {beyond, near_s, on_s, between, grazing}) {
     const Runs all =
         runs(field, {.method = Method::filtered_brdf, .samples = 40, .filter = false}, c.receiver, {}, 0, 0, 1500);
@@ -127,7 +73,7 @@ TEST(FilteredBrdf, UnfilteredIsUnbiased) {
 }
 
 TEST(FilteredBrdf, UnfilteredShinesAsTheReferenceDoes) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   for (const Case& c : {beyond, near_s, between})
     for (const auto& [kind, shape] : {std::pair(LOBE_PHONG, 50.0F), {LOBE_GGX, 0.09F}, {LOBE_GGX, 0.5F}}) {
       const Look look = shining(c.receiver, kind, shape);
@@ -141,7 +87,7 @@ TEST(FilteredBrdf, UnfilteredShinesAsTheReferenceDoes) {
 }
 
 TEST(FilteredBrdf, UnfilteredIsAsFarOffAsItStates) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   constexpr int seeds = 400;
   constexpr double samples = 100;
   for (const Case& c : {beyond, near_s, between})
@@ -156,15 +102,15 @@ TEST(FilteredBrdf, UnfilteredIsAsFarOffAsItStates) {
           make_host_method(field, settings).value()->estimate(c.receiver, 17, look).value().stated_error[value];
       // The mean's square is all that independent samples do better.
       const double deviation = std::sqrt(stated * stated - reference * reference / samples);
-      EXPECT_GT(all.rms, test::deviation_bound(seeds, -1) * deviation) << c.name << ' ' << kind;
-      EXPECT_LT(all.rms, test::deviation_bound(seeds, 1) * deviation) << c.name << ' ' << kind;
+      EXPECT_GT(all.rms, deviation_bound(seeds, -1) * deviation) << c.name << ' ' << kind;
+      EXPECT_LT(all.rms, deviation_bound(seeds, 1) * deviation) << c.name << ' ' << kind;
       settings.sequence = PointSequence::halton;
       EXPECT_LT(runs(field, settings, c.receiver, look, value, reference, 100).rms, all.rms) << c.name << ' ' << kind;
     }
 }
 
 TEST(FilteredBrdf, FilteredIsNearerThanPlainAndAsFarOffAsItStates) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   for (const Case& c : {beyond, near_s, between})
     for (const auto& [kind, shape] : {std::pair(LOBE_NONE, 0.0F), {LOBE_PHONG, 50.0F}, {LOBE_GGX, 0.09F}})
       for (const double samples : {10.0, 40.0, 200.0}) {
@@ -185,7 +131,7 @@ TEST(FilteredBrdf, FilteredIsNearerThanPlainAndAsFarOffAsItStates) {
 }
 
 TEST(FilteredBrdf, BiasOfTheFilterFallsWithTheSamples) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   for (const Case& c : {beyond, near_s, on_s, between})
     for (const auto& [kind, shape] : {std::pair(LOBE_NONE, 0.0F), {LOBE_PHONG, 50.0F}, {LOBE_GGX, 0.09F}}) {
       const Look look = kind == LOBE_NONE ? Look{} : shining(c.receiver, kind, shape);
@@ -198,7 +144,7 @@ TEST(FilteredBrdf, BiasOfTheFilterFallsWithTheSamples) {
 }
 
 TEST(FilteredBrdf, OfAnEyeBelowTheSurfaceOrALuminaireWithoutCellsIsDark) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   Look look = shining(beyond.receiver, LOBE_GGX, 0.1F);
   look.lobe.eye_z = -look.lobe.eye_z;
   const auto form = make_host_method(field, {.method = Method::filtered_brdf}).value();

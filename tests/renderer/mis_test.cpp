@@ -8,42 +8,15 @@
 
 #include "renderer/methods/filtered_brdf.h"
 #include "renderer/methods/position_dependent.h"
-#include "renderer/study/synthetic_luminaire.h"
 #include "tests/support/deviations.h"
-#include "tests/support/small_luminaire.h"
+#include "tests/support/sampling_cases.h"
 
 namespace lumifield {
 namespace {
 
-LightField small_luminaire() {
-  SyntheticLuminaire small = test::small_luminaire();
-  small.spacing_mm = 8;
-  small.pixels = 40;
-  small.pixel_mm = 2;
-  small.seed = 5;
-  return make_luminaire(small, 1);
-}
+using namespace test;
 
-struct Case {
-  const char* name;
-  Receiver receiver;
-};
-const Vec3 towards = Vec3(0.2, -0.1, -1).normalized();
-const Case beyond{"beyond S", {{6, -4, 140}, towards}};
-const Case near_s{"near S", {{3, -2, 66}, towards}};
-const Case on_s{"on S", {{3, -2, 60}, towards}};
-const Case between{"between the planes", {{2, 1, 25}, towards}};
-const Case grazing{"grazing", {{6, -4, 40}, Vec3(0.9, 0.2, -0.2).normalized()}};
-
-/// A lobe whose axis meets U at the point given.
-Look shining(const Receiver& receiver, int kind, float shape, const Vec2& at = {0, 0}) {
-  const Vec3 to_light = (Vec3(at.x(), at.y(), 0) - receiver.p_mm).normalized();
-  const Vec3 eye = 2 * receiver.n.dot(to_light) * receiver.n - to_light;
-  const Eigen::Vector3f o = eye.cast<float>();
-  Look look;
-  look.lobe = {o.x(), o.y(), o.z(), shape, 0.5F, 0.5F, 0.5F, kind};
-  return look;
-}
+const Case inside_grazing{"grazing", {{6, -4, 40}, Vec3(0.9, 0.2, -0.2).normalized()}};
 
 /// Every kind of mixture: no lobe samples; diffuse ones; of a wide lobe; of narrow ones.
 struct Mixed {
@@ -52,8 +25,9 @@ struct Mixed {
   Look look;
 };
 std::vector<Mixed> mixtures() {
-  std::vector<Mixed> all{
-      {"diffuse beyond S", beyond, {}}, {"diffuse between the planes", between, {}}, {"diffuse, grazing", grazing, {}}};
+  std::vector<Mixed> all{{"diffuse beyond S", beyond, {}},
+                         {"diffuse between the planes", between, {}},
+                         {"diffuse, grazing", inside_grazing, {}}};
   for (const Case& c : {beyond, near_s, on_s, between}) {
     all.push_back({"GGX 0.3", c, shining(c.receiver, LOBE_GGX, 0.09F)});
     all.push_back({"Phong 50", c, shining(c.receiver, LOBE_PHONG, 50)});
@@ -66,33 +40,15 @@ std::vector<Mixed> mixtures() {
 std::size_t last_value(const Look& look) { return look.lobe.kind == LOBE_NONE ? 0 : 1; }
 
 double exact(const LightField& field, const Mixed& mixed, std::size_t value) {
-  return make_host_method(field, {.method = Method::reference})
-      .value()
-      ->light(mixed.at.receiver, 0, mixed.look)
-      .value()[value];
+  return test::exact(field, mixed.at.receiver, mixed.look, value);
 }
-
-struct Runs {
-  double mean = 0, error = 0, rms = 0;
-};
-Runs runs(const LightField& field, MethodSettings settings, const Mixed& mixed, std::size_t value, double reference,
-          int seeds) {
-  Runs all;
-  double squares = 0;
-  for (int seed = 1; seed <= seeds; ++seed) {
-    settings.seed = static_cast<std::uint32_t>(seed);
-    const double e = make_host_method(field, settings).value()->light(mixed.at.receiver, 17, mixed.look).value()[value];
-    all.mean += e / seeds;
-    squares += e * e / seeds;
-    all.rms += (e - reference) * (e - reference) / seeds;
-  }
-  all.error = std::sqrt(std::max(squares - all.mean * all.mean, 0.0) / (seeds - 1));
-  all.rms = std::sqrt(all.rms);
-  return all;
+Runs runs(const LightField& field, const MethodSettings& settings, const Mixed& mixed, std::size_t value,
+          double reference, int seeds) {
+  return test::runs(field, settings, mixed.at.receiver, mixed.look, value, reference, seeds);
 }
 
 TEST(Mis, WeighsByTheDensitiesThatSamplesHave) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   const LuminaireGeometry& g = field.geometry();
   const Basis basis(g.sampling.basis);
   constexpr double samples = 100;
@@ -128,7 +84,7 @@ TEST(Mis, WeighsByTheDensitiesThatSamplesHave) {
 }
 
 TEST(Mis, FilteredWeightsAreOneTogetherAndChangeSlowly) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   const Mis form(field, {.method = Method::mis, .samples = 100});
   const Look look = shining(beyond.receiver, LOBE_GGX, 0.04F);
   const CellIndex cell{1, 1};
@@ -145,7 +101,7 @@ TEST(Mis, FilteredWeightsAreOneTogetherAndChangeSlowly) {
 }
 
 TEST(Mis, IsPositionDependentWhereNoLobeShowsTheLamp) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   const Case far{"far away", {{100, -80, 900}, towards}};
   for (const bool filter : {false, true})
     for (const Look& look :
@@ -163,7 +119,7 @@ TEST(Mis, IsPositionDependentWhereNoLobeShowsTheLamp) {
 }
 
 TEST(Mis, IsLobeSamplesWhereThereAreNoneOfTheLight) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   for (const bool filter : {false, true})
     for (const Case& c : {beyond, near_s, between}) {
       const Look look = shining(c.receiver, LOBE_GGX, 0.04F);
@@ -176,7 +132,7 @@ TEST(Mis, IsLobeSamplesWhereThereAreNoneOfTheLight) {
 }
 
 TEST(Mis, UnfilteredIsUnbiased) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   for (const Mixed& mixed : mixtures())
     for (std::size_t value = 0; value <= last_value(mixed.look); ++value) {
       const MethodSettings settings{.method = Method::mis, .samples = 24, .filter = false};
@@ -190,7 +146,7 @@ TEST(Mis, UnfilteredIsUnbiased) {
 }
 
 TEST(Mis, IsAsFarOffAsItStates) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   constexpr int seeds = 200;
   const std::vector<Mixed> all_mixtures = mixtures();
   for (std::size_t m = 0; m < all_mixtures.size(); m += 2)
@@ -206,14 +162,14 @@ TEST(Mis, IsAsFarOffAsItStates) {
                                 ->estimate(mixed.at.receiver, 17, mixed.look)
                                 .value()
                                 .stated_error[value];
-      EXPECT_LT(all.rms, test::deviation_bound(seeds, 1) * stated) << mixed.name << ' ' << mixed.at.name << filter;
+      EXPECT_LT(all.rms, deviation_bound(seeds, 1) * stated) << mixed.name << ' ' << mixed.at.name << filter;
       // The means' squares are no part of the deviation.
       EXPECT_GT(all.rms, 0.3 * stated) << mixed.name << ' ' << mixed.at.name << filter;
     }
 }
 
 TEST(Mis, IsNearerThanEitherPartOfAsManySamples) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   for (const Mixed& mixed : mixtures()) {
     const std::size_t value = last_value(mixed.look);
     const double reference = exact(field, mixed, value);

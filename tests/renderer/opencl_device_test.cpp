@@ -11,6 +11,7 @@
 #include "renderer/opencl/device.h"
 #include "renderer/opencl/kernel_source.h"
 #include "renderer/renderer.h"
+#include "tests/support/kernel_layout.h"
 
 namespace lumifield {
 namespace {
@@ -28,16 +29,8 @@ class Environment {
 };
 
 TEST(OpenClDevice, StructsAreLaidOutAsOnTheHost) {
-  auto device = OpenClDevice::create();
-  if (!device) GTEST_SKIP() << device.error().message();
-  auto kernel = (*device)->build("closed_form", "", "closed_form_layout");
-  ASSERT_TRUE(kernel) << kernel.error().message();
-  std::vector<int> layout(16);
-  auto buffer = (*device)->allocate(layout.size() * sizeof(int), "the layout");
-  ASSERT_TRUE(buffer);
-  kernel->set(0, *buffer);
-  ASSERT_TRUE((*device)->run(*kernel, 1, 1));
-  ASSERT_TRUE((*device)->read(*buffer, std::as_writable_bytes(std::span(layout))));
+  if (const auto device = OpenClDevice::create(); !device) GTEST_SKIP() << device.error().message();
+  const std::vector<int> layout = test::layout_by("closed_form", "closed_form_layout", 16);
   EXPECT_EQ(layout, (std::vector<int>{
                         sizeof(ClosedFormGeometry), offsetof(ClosedFormGeometry, corner_x),
                         offsetof(ClosedFormGeometry, levels), offsetof(ClosedFormGeometry, cells),

@@ -9,33 +9,13 @@
 #include "renderer/methods/sampled_cell.h"
 #include "renderer/sampling/piecewise_constant_2d.h"
 #include "renderer/sampling/sample_counts.h"
-#include "renderer/study/synthetic_luminaire.h"
 #include "tests/support/deviations.h"
-#include "tests/support/small_luminaire.h"
+#include "tests/support/sampling_cases.h"
 
 namespace lumifield {
 namespace {
 
-LightField small_luminaire(int channels = 1) {
-  SyntheticLuminaire small = test::small_luminaire();
-  small.spacing_mm = 8;
-  small.pixels = 40;
-  small.pixel_mm = 2;
-  small.seed = 5;
-  return make_luminaire(small, channels);
-}
-
-struct Case {
-  const char* name;
-  Receiver receiver;
-};
-const Vec3 towards(0.2, -0.1, -1);
-const Case far_away{"far away", {{40, -25, 600}, towards.normalized()}};
-const Case beyond{"beyond S", {{6, -4, 140}, towards.normalized()}};
-const Case near_s{"near S", {{3, -2, 66}, towards.normalized()}};
-const Case on_s{"on S", {{3, -2, 60}, towards.normalized()}};
-const Case between{"between the planes", {{2, 1, 25}, towards.normalized()}};
-const Case grazing{"grazing", {{6, -4, 140}, Vec3(0.97, 0.2, -0.03).normalized()}};
+using namespace test;
 
 /// Mean and standard error over seeds, of one channel.
 struct Mean {
@@ -59,7 +39,7 @@ double reference(const LightField& field, const Receiver& receiver) {
 }
 
 TEST(PositionDependent, IsUnbiasedAtAnyNumberOfSamples) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   for (const Case& c : {far_away, beyond, near_s, on_s, between, grazing})
     for (const double k : {16.0, 50.0, 200.0}) {
       const Mean mean = mean_over_seeds(field, {.method = Method::position_dependent, .samples = k}, c.receiver, 1000);
@@ -69,7 +49,7 @@ TEST(PositionDependent, IsUnbiasedAtAnyNumberOfSamples) {
 }
 
 TEST(PositionDependent, StaysUnbiasedWithABoundOnTheSamplesOfACellAndWithTheTwister) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   for (const PointSequence sequence : {PointSequence::halton, PointSequence::twister}) {
     const Mean mean =
         mean_over_seeds(field, {.method = Method::position_dependent, .samples = 50, .k_max = 3, .sequence = sequence},
@@ -108,7 +88,7 @@ double printed_mean(const LightField& field, double k, const Receiver& receiver)
 }
 
 TEST(PositionDependentPrinted, IsBiasedByWhatItStates) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   for (const double k : {16.0, 50.0, 200.0}) {
     const MethodSettings settings{.method = Method::position_dependent_printed, .samples = k};
     double worst = 0;
@@ -134,7 +114,7 @@ TEST(PositionDependentPrinted, IsBiasedByWhatItStates) {
 }
 
 TEST(PositionDependentPrinted, RefusesWhatThePrintHasNoAnswerFor) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   const MethodSettings settings{.method = Method::position_dependent_printed};
   const auto method = make_host_method(field, settings).value();
   EXPECT_FALSE(method->irradiance(between.receiver, 0));
@@ -152,7 +132,7 @@ TEST(PositionDependentPrinted, RefusesWhatThePrintHasNoAnswerFor) {
 }
 
 TEST(UniformBox, IsUnbiased) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   for (const Case& c : {far_away, near_s, on_s, between})
     for (const double k : {5.0, 50.0}) {
       const Mean mean = mean_over_seeds(field, {.method = Method::uniform_box, .samples = k}, c.receiver, 1000);
@@ -161,7 +141,7 @@ TEST(UniformBox, IsUnbiased) {
 }
 
 TEST(PrecomputedLights, AreUnbiasedOverSeeds) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   for (const Case& c : {far_away, beyond, between}) {
     const Mean mean = mean_over_seeds(field, {.method = Method::precomputed_lights, .samples = 300}, c.receiver, 1000);
     EXPECT_LT(std::abs(mean.off(reference(field, c.receiver))), 3) << c.name;
@@ -193,7 +173,7 @@ double mean_squares(const LightField& field, Method which, double k, const Recei
 
 TEST(SamplingMethods, AreAsFarOffAsTheyState) {
   // Independent points, for which the stated deviation is meant; the Halton sequence does better.
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   for (const Method which : {Method::position_dependent, Method::uniform_box, Method::precomputed_lights})
     for (const Case& c : {far_away, beyond, between}) {
       double squares = 0, halton = 0, stated = 0;
@@ -211,8 +191,8 @@ TEST(SamplingMethods, AreAsFarOffAsTheyState) {
       }
       const double least = std::sqrt(stated * stated - mean_squares(field, which, samples, c.receiver));
       EXPECT_GT(least, 0.5 * stated) << to_string(which) << ' ' << c.name;
-      EXPECT_GT(std::sqrt(squares), test::deviation_bound(seeds, -1) * least) << to_string(which) << ' ' << c.name;
-      EXPECT_LT(std::sqrt(squares), test::deviation_bound(seeds, 1) * stated) << to_string(which) << ' ' << c.name;
+      EXPECT_GT(std::sqrt(squares), deviation_bound(seeds, -1) * least) << to_string(which) << ' ' << c.name;
+      EXPECT_LT(std::sqrt(squares), deviation_bound(seeds, 1) * stated) << to_string(which) << ' ' << c.name;
       // In the images as a whole the sequence' regularity is lost.
       if (which != Method::precomputed_lights) {
         EXPECT_LT(halton, squares) << to_string(which) << ' ' << c.name;
@@ -221,7 +201,7 @@ TEST(SamplingMethods, AreAsFarOffAsTheyState) {
 }
 
 TEST(SamplingMethods, CarryColourAndNegativeValues) {
-  LightField field = small_luminaire(3);
+  LightField field = sampled_luminaire(3);
   CellImage image = *field.cell({1, 1});
   for (std::size_t k = 0; k < image.value.size(); k += 3) image.value[k] *= -0.7F;
   ASSERT_TRUE(field.add({1, 1}, std::move(image)));
@@ -237,7 +217,7 @@ TEST(SamplingMethods, CarryColourAndNegativeValues) {
 }
 
 TEST(FarField, IsRightFarAwayAndBoundsItsErrorNearby) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   const auto method = make_host_method(field, {.method = Method::far_field}).value();
   double before = HUGE_VAL;
   for (const double d : {300.0, 3e3, 3e4, 3e5}) {
@@ -288,7 +268,7 @@ TEST(FarField, BoundsWhatItsTableLeavesOutOfABoxBesideThePixels) {
 }
 
 TEST(HostMethod, RefusesSettingsThatMakeNoSense) {
-  const LightField field = small_luminaire();
+  const LightField field = sampled_luminaire();
   EXPECT_FALSE(make_host_method(field, {.method = Method::position_dependent, .samples = 0}));
   EXPECT_FALSE(make_host_method(field, {.method = Method::position_dependent, .samples = std::nan("")}));
   EXPECT_FALSE(make_host_method(field, {.method = Method::uniform_box, .samples = 1e8}));

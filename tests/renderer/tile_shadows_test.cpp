@@ -8,6 +8,7 @@
 #include "renderer/visibility/ray_visibility.h"
 #include "renderer/visibility/tile_visibility_shared.h"
 #include "tests/support/egl_fixture.h"
+#include "tests/support/kernel_layout.h"
 #include "tests/support/meshes.h"
 
 namespace lumifield {
@@ -289,16 +290,7 @@ TEST_F(TileShadowsTest, RefusesListsThatDoNotFit) {
 }
 
 TEST_F(TileShadowsTest, StructsAreLaidOutAsOnTheHost) {
-  auto device = OpenClDevice::create();
-  ASSERT_TRUE(device);
-  auto kernel = (*device)->build("tile_visibility", "", "tile_visibility_layout");
-  ASSERT_TRUE(kernel) << kernel.error().message();
-  std::vector<int> layout(4);
-  auto buffer = (*device)->allocate(layout.size() * sizeof(int), "the layout");
-  ASSERT_TRUE(buffer);
-  kernel->set(0, *buffer);
-  ASSERT_TRUE((*device)->run(*kernel, 1, 1));
-  ASSERT_TRUE((*device)->read(*buffer, std::as_writable_bytes(std::span(layout))));
+  const std::vector<int> layout = test::layout_by("tile_visibility", "tile_visibility_layout", 4);
   EXPECT_EQ(layout, (std::vector<int>{sizeof(ShadowTiles), sizeof(ShadowTileMap), offsetof(ShadowTiles, separation),
                                       offsetof(ShadowTileMap, first)}));
 }
