@@ -142,17 +142,30 @@ INLINE void add_cells(const Mixture* m, const Ray* ray, double2 u, float* light)
   }
 }
 
+// The ray of a lobe sample, its density known from the draw.
+INLINE Ray ray_of(const Mixture* m, const LobeDraw* draw) {
+  const double p_z = m->view->at.p_z;
+  Ray ray;
+  ray.direction = draw->direction;
+  ray.length = p_z / -draw->direction.z;
+  ray.area = ray.length * ray.length * ray.length / p_z;
+  ray.facing = dot(m->dull.n, draw->direction);
+  ray.gloss = m->gloss ? draw->pdf : m->shines ? lobe_pdf(&m->glossy, draw->direction) : 0;
+  ray.lobes = m->count * draw->pdf;
+  return ray;
+}
+
 INLINE void add_lobe_samples(const Mixture* m, int points, __global const LobePoint* table, double* sum) {
   const Lobe* lobe = m->gloss ? &m->glossy : &m->dull;
   const uint first = first_lobe_point(m->g, points, m->gloss ? 2 : 1, (uint)m->id);
   const SamplingReceiver at = m->view->at;
   for (int k = 0; k < m->count; ++k) {
     const uint i = first + (uint)k;
-    const double3 direction = lobe_draw(lobe, table + (i < (uint)points ? i : i % (uint)points)).direction;
-    if (!(direction.z < 0) || !(dot(lobe->n, direction) > 0)) continue;
-    const double2 u = (double2)(at.p_x, at.p_y) - at.p_z / direction.z * direction.xy;
-    const Ray ray = ray_from(m, u);
-    if (!(ray.facing > 0 && ray.lobes > 0)) continue;
+    const LobeDraw draw = lobe_draw(lobe, table + (i < (uint)points ? i : i % (uint)points));
+    if (!(draw.direction.z < 0) || !(dot(lobe->n, draw.direction) > 0)) continue;
+    const Ray ray = ray_of(m, &draw);
+    if (!(ray.lobes > 0)) continue;
+    const double2 u = (double2)(at.p_x, at.p_y) + ray.length * draw.direction.xy;
     float light[CHANNELS];
     for (int c = 0; c < CHANNELS; ++c) light[c] = 0;
     double scale = 1;
@@ -166,7 +179,7 @@ INLINE void add_lobe_samples(const Mixture* m, int points, __global const LobePo
     for (int c = 0; c < CHANNELS; ++c) sum[c] += scale * ray.facing * light[c];
 #if LOBES > 0
     if (!(ray.gloss > 0)) continue;
-    const float3 shines = lobe_weight(&m->glossy, ray.direction);
+    const float3 shines = m->gloss ? draw.weight : lobe_weight(&m->glossy, draw.direction);
     const float f[3] = {shines.x, shines.y, shines.z};
     for (int c = 0; c < GLOSSES; ++c)
       sum[CHANNELS + c] += scale * ray.gloss * f[LOBES == 1 ? 0 : c] * light[CHANNELS == 1 ? 0 : c];

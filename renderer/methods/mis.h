@@ -42,7 +42,8 @@ MisCounts mis_counts(double samples);
 /// that no pilot biases it: K_L = K where lobes show little of the lamp (mis_shared.h), since there light samples are
 /// the better of the two for gloss too, and lobe samples time lost; of a glossy lobe that shows it N = K, or where it
 /// is narrow 4 K beside K/2, since there its light outshines what is diffuse and lobe samples are far better; else of
-/// the diffuse one K/2, which is near the lamp.
+/// the diffuse one K/2, which is near the lamp. (Diffuse lobe samples beside narrow ones as a third kind: 0.87 to 1.09 of
+/// the error in equal time, so not kept.)
 ///
 /// Filtered, a glossy lobe's samples stand for the footprint of Ω = 1/b and look up the average L̄ (RayLight). A weight
 /// that changed within a footprint would count what is averaged twice, or not at all: q_m is then, in the weights of
