@@ -8,6 +8,7 @@
 #include "renderer/environment/environment_light.h"
 #include "renderer/study/lab.h"
 #include "renderer/study/ladder.h"
+#include "renderer/study/relative_rmse.h"
 
 namespace lumifield {
 
@@ -63,17 +64,6 @@ double one_thread_ms(const std::vector<Vec3>& normals, const Radiance& radiance)
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-double rel_rmse(const Picture& picture, const Picture& reference) {
-  double squares = 0, sum = 0, count = 0;
-  for (std::size_t k = 0; k < picture.rgb.size(); ++k) {
-    if (picture.coverage[k / 3] == 0) continue;
-    squares += std::pow(static_cast<double>(picture.rgb[k]) - static_cast<double>(reference.rgb[k]), 2);
-    sum += static_cast<double>(reference.rgb[k]);
-    ++count;
-  }
-  return std::sqrt(squares / count) / (sum / count);
-}
-
 /// Of filtered pictures by so many seeds: what noise is in one is gone from it, the filter's bias is not.
 Picture mean_picture(const EnvironmentLight& environment, const std::vector<Vec3>& seen, const GlossLobe& lobe,
                      int samples) {
@@ -117,11 +107,11 @@ Result<std::vector<FigureRow>> environment_figures(const LatLong& environment, c
           rows.push_back({figure, "environment", what, quantity, ours, none});
         };
         add("Fig. 20-8", "mean Lab ΔE", mean_lab_delta_e(tone_map(picture, {1, white}), wanted));
-        add("Fig. 20-8", "relative RMSE", rel_rmse(picture, reference));
+        add("Fig. 20-8", "relative RMSE", relative_rmse(picture, reference));
         add("Fig. 20-9", "time of a picture, one thread, ms", one_thread_ms(seen, gloss));
         if (filter)
           add("Fig. 20-8", "bias of the filter, relative RMSE",
-              rel_rmse(mean_picture(lit, seen, lobe, samples), reference));
+              relative_rmse(mean_picture(lit, seen, lobe, samples), reference));
       }
   }
   return rows;

@@ -9,6 +9,7 @@
 #include "renderer/sampling/sequence.h"
 #include "renderer/study/ladder.h"
 #include "renderer/study/reference_cache.h"
+#include "renderer/study/relative_rmse.h"
 
 namespace lumifield {
 
@@ -24,14 +25,11 @@ struct Scored {
   std::vector<double> reference;
   std::size_t channels;
 
-  /// Of what is seen: Σ of the squared errors.
-  double squares(const StudyLight& light) const {
-    double sum = 0;
+  /// Adds what is seen.
+  void judge(const StudyLight& light, RelativeRmse& error) const {
     auto wanted = reference.begin();
     for (std::size_t k = 0; k < frame.receivers.size(); ++k)
-      for (const double value : frame.seen(light, k, k, channels))
-        sum += (value - *wanted) * (value - *wanted), ++wanted;
-    return sum;
+      for (const double value : frame.seen(light, k, k, channels)) error.add(value, *wanted++);
   }
   double mean() const {
     double sum = 0;
@@ -90,7 +88,8 @@ Result<Scored> scored(StudyCamera& camera, const LightField& light_field, double
 struct Point {
   DeviceMethod* method;
   double samples;
-  double s = HUGE_VAL, rel_rmse = 0;
+  double s = HUGE_VAL;
+  RelativeRmse error{};  ///< over all seeds
 };
 /// Run by run of all, so that what slows a while slows them alike.
 Status run(std::vector<Point>& points, const Scored& scored, const std::function<bool()>& told) {
@@ -103,10 +102,8 @@ Status run(std::vector<Point>& points, const Scored& scored, const std::function
       const auto took = timed_evaluation(*point.method, scored.frame, 1, light);
       if (!took) return tl::unexpected(took.error());
       point.s = std::min(point.s, *took);
-      point.rel_rmse += scored.squares(light) / seeds;
+      scored.judge(light, point.error);
     }
-  for (Point& point : points)
-    point.rel_rmse = std::sqrt(point.rel_rmse / static_cast<double>(scored.reference.size())) / scored.mean();
   return {};
 }
 
@@ -115,9 +112,9 @@ double error_at(std::span<const Point> ladder, double s) {
   std::size_t k = 1;
   while (k + 1 < ladder.size() && ladder[k].s < s) ++k;
   const Point &a = ladder[k - 1], &b = ladder[k];
-  if (!(b.s > a.s)) return b.rel_rmse;
+  if (!(b.s > a.s)) return b.error.value();
   const double share = std::log(s / a.s) / std::log(b.s / a.s);
-  return a.rel_rmse * std::pow(b.rel_rmse / a.rel_rmse, share);
+  return a.error.value() * std::pow(b.error.value() / a.error.value(), share);
 }
 
 }  // namespace
@@ -162,9 +159,10 @@ Result<std::vector<FigureRow>> mis_figures(StudyCamera& camera, const StudyLumin
       rows.push_back({"mis", luminaire.name, look + ": " + std::string(to_string(compared[m])),
                       "relative RMSE in equal time, %", 100 * error, none});
     }
-    rows.push_back({"mis", luminaire.name, look + ": mis", "relative RMSE in equal time, %", 100 * mis.rel_rmse, none});
+    rows.push_back(
+        {"mis", luminaire.name, look + ": mis", "relative RMSE in equal time, %", 100 * mis.error.value(), none});
     rows.push_back({"mis", luminaire.name, look + ": mis over the better part", "ratio of relative RMSE",
-                    mis.rel_rmse / better, none});
+                    mis.error.value() / better, none});
   }
   return rows;
 }

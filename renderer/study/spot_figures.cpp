@@ -10,6 +10,7 @@
 #include "renderer/renderer.h"
 #include "renderer/study/hall.h"
 #include "renderer/study/ladder.h"
+#include "renderer/study/relative_rmse.h"
 #include "renderer/study/synthetic_luminaire.h"
 
 namespace lumifield {
@@ -208,19 +209,9 @@ class SpeedRows {
         if (!kept) return tl::unexpected(kept.error());
         add(what + (kind == SpotSums::float32 ? ", sums in float" : ", sums in sRGBE"), "frames/s", 1 / kept->frame_s);
       }
-      add(what + ", sums in sRGBE against float", "relative RMSE", rel_rmse(pictures[1], pictures[0]));
+      add(what + ", sums in sRGBE against float", "relative RMSE", relative_rmse(pictures[1], pictures[0]));
     }
     return {};
-  }
-
-  static double rel_rmse(const Picture& picture, const Picture& reference) {
-    double squares = 0, sum = 0;
-    for (std::size_t k = 0; k < picture.rgb.size(); ++k) {
-      const double right = static_cast<double>(reference.rgb[k]);
-      squares += std::pow(static_cast<double>(picture.rgb[k]) - right, 2);
-      sum += right * right;
-    }
-    return std::sqrt(squares / sum);
   }
 
   void add(const std::string& what, const char* quantity, double ours, double paper = none) {
