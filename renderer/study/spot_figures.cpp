@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <stdlib.h>
+#include <system_error>
 
 #include "renderer/renderer.h"
 #include "renderer/study/hall.h"
@@ -46,8 +48,12 @@ struct Timed {
 class HallFolder {
  public:
   static Result<std::unique_ptr<HallFolder>> create(int sides) {
-    std::string path = (std::filesystem::temp_directory_path() / "lumifield_hall_XXXXXX").string();
-    if (!mkdtemp(path.data())) return fail("cannot be made", path, "make room, or set TMPDIR to a folder to write to");
+    constexpr const char* remedy = "make room, or set TMPDIR to a folder to write to";
+    std::error_code wrong;
+    const std::filesystem::path place = std::filesystem::temp_directory_path(wrong);
+    if (wrong) return fail("no place for a hall's files: " + wrong.message(), place.string(), remedy);
+    std::string path = (place / "lumifield_hall_XXXXXX").string();
+    if (!mkdtemp(path.data())) return fail("cannot be made: " + std::generic_category().message(errno), path, remedy);
     std::unique_ptr<HallFolder> folder(new HallFolder(path));
     auto scene = write_hall(path, sides);
     if (!scene) return tl::unexpected(scene.error());
