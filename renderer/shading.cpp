@@ -83,12 +83,12 @@ std::vector<GlossLobe> lobes_of(const GBuffer& gbuffer, const std::vector<Materi
   return lobes;
 }
 
-namespace {
-
 const float* diffuse_at(const GBuffer& gbuffer, const std::vector<Material>& materials, std::size_t pixel) {
   return gbuffer.reflectance.empty() ? materials[static_cast<std::size_t>(gbuffer.normal[4 * pixel + 3])].diffuse.data()
                                      : &gbuffer.reflectance[4 * pixel];
 }
+
+namespace {
 
 /// Σ scale·values over the placements, in R, G and B.
 std::array<double, 3> sum_of(std::span<const double> values, std::size_t channels, std::size_t pixel,

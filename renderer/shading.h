@@ -32,6 +32,9 @@ std::string left_out(Visibility visibility, bool environment = false);
 std::vector<GlossLobe> lobes_of(const GBuffer& gbuffer, const std::vector<Material>& materials,
                                 const std::vector<ScenePlacement>& placements, const Vec3& eye_mm);
 
+/// Diffuse reflectance, R G B, of the surface at a pixel: the G-buffer's, or without that the material's.
+const float* diffuse_at(const GBuffer& gbuffer, const std::vector<Material>& materials, std::size_t pixel);
+
 /// What each placement's receivers get of a luminaire of scale 1, one placement after the other. Spans: valid as long
 /// as what they look at.
 struct Received {
@@ -41,9 +44,8 @@ struct Received {
   std::size_t gloss_channels = 0;  ///< of radiance by gloss, 0, 1 (counts for R, G and B) or 3
 };
 
-/// radiance = reflectance/π · Σ scale·E + Σ scale·G, E and G taken as float; the reflectance is the G-buffer's, or
-/// without the materials'. `environment`: radiance of its light, R G B by pixel, added; empty where there is none.
-/// Fills rgb and coverage of a picture of the G-buffer's size.
+/// radiance = diffuse_at/π · Σ scale·E + Σ scale·G, E and G taken as float. `environment`: radiance of its light, R G B
+/// by pixel, added; empty where there is none. Fills rgb and coverage of a picture of the G-buffer's size.
 void shade(const GBuffer& gbuffer, const std::vector<Material>& materials,
            const std::vector<ScenePlacement>& placements, const Received& received, std::span<const float> environment,
            Picture& picture);

@@ -10,6 +10,7 @@
 #include "luminaire/dataset.h"
 #include "luminaire/plan.h"
 #include "luminaire/scene.h"
+#include "renderer/environment/lat_long.h"
 
 namespace lumifield {
 
@@ -64,6 +65,13 @@ void take(Finding& finding, const Result<T>& read) {
   if (!read) finding.problems.push_back(read.error().message());
 }
 
+/// With its environment, which is read late, and of which the scene itself says nothing.
+void check_scene(Finding& finding) {
+  const Result<Scene> scene = read_scene(finding.path, &finding.notes);
+  take(finding, scene);
+  if (scene && scene->environment) take(finding, LatLong::read(*scene->environment));
+}
+
 Finding check_file(const std::string& path) {
   Finding finding{path, "file", {}, {}, {}, true};
   const Result<std::string> format = format_of(path);
@@ -77,7 +85,7 @@ Finding check_file(const std::string& path) {
   else if (*format == "lumifield-plan")
     take(finding, read_plan(path, &finding.notes));
   else if (*format == "lumifield-scene")
-    take(finding, read_scene(path, &finding.notes));
+    check_scene(finding);
   else if (*format == "lumifield-study")
     take(finding, read_study(path));
   else

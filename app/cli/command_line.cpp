@@ -154,8 +154,7 @@ void add_method(CLI::App& app, Options& o) {
       ->check(sample_count());
   app.add_option("--filter", o.filter,
                  "filtered-brdf, mis: each sample of a lobe stands for a footprint, averaged (on: less noise, biased), "
-                 "or for a ray "
-                 "(off: unbiased)")
+                 "or for a ray (off: unbiased)")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
   app.add_option("--seed", o.seed, "Seed of the samples")->capture_default_str();

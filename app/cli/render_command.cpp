@@ -35,11 +35,12 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   if (!renderer) return tl::unexpected(renderer.error());
   if (Status viewed = (*renderer)->set_view(scene->camera, size->first, size->second, options.lod); !viewed)
     return tl::unexpected(viewed.error());
+  const MethodSettings settings = method_settings(options);
   const Visibility shadows = visibility_from_string(options.shadows).value_or(Visibility::tile);
-  const bool own_shadows = shadows != Visibility::none && has_own_shadows(method_settings(options).method);
+  const bool own_shadows = shadows != Visibility::none && has_own_shadows(settings.method);
   const auto start = std::chrono::steady_clock::now();
   if (Status set = (*renderer)->set_visibility(shadows); !set) return tl::unexpected(set.error());
-  if (Status set = (*renderer)->set_method(method_settings(options)); !set) return tl::unexpected(set.error());
+  if (Status set = (*renderer)->set_method(settings); !set) return tl::unexpected(set.error());
   if (Status set = (*renderer)->set_luminaire(dataset->light_field.geometry()); !set)
     return tl::unexpected(set.error());
   if (Status added = (*renderer)->add_all(dataset->light_field); !added) return tl::unexpected(added.error());
@@ -51,7 +52,7 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   const Coverage coverage = dataset->light_field.coverage();
   const RendererInfo info = (*renderer)->info();
   nlohmann::ordered_json summary{{"out", options.out}};
-  summary.update(method_summary(method_settings(options)));
+  summary.update(method_summary(settings));
   summary.update(nlohmann::ordered_json{{"shadows", own_shadows ? "own" : options.shadows},
                                         {"environment", (*renderer)->environment() ? "on" : "off"},
                                         {"width_px", size->first},

@@ -50,12 +50,15 @@ std::string study_summary_text(const Study& study, const std::filesystem::path& 
   for (const StabilityRow& row : study.stability)
     if (row.outcome == StabilityOutcome::failed)
       text += "  failed: " + std::string(to_string(row.method)) + ", " + row.case_name + ": " + row.reason + "\n";
+  for (const StudyOmission& each : study.omissions) text += "  without " + each.part + ": " + each.reason + "\n";
   return text;
 }
 
 std::string study_summary_json(const Study& study, const std::filesystem::path& out, double time_s) {
   nlohmann::ordered_json luminaires = nlohmann::ordered_json::array();
   for (const StudyPlot& plot : plots_of(study).plots) luminaires.push_back(plot.luminaire);
+  nlohmann::ordered_json omissions = nlohmann::ordered_json::array();
+  for (const StudyOmission& each : study.omissions) omissions.push_back({{"part", each.part}, {"reason", each.reason}});
   return dump_json({{"out", out.string()},
                     {"scene", study.scene},
                     {"quick", study.quick},
@@ -66,6 +69,7 @@ std::string study_summary_json(const Study& study, const std::filesystem::path& 
                       {"refused", count_of(study, StabilityOutcome::refused)},
                       {"failed", count_of(study, StabilityOutcome::failed)}}},
                     {"figures", study.figures.size()},
+                    {"omissions", omissions},
                     {"time_s", time_s}}) +
          "\n";
 }

@@ -61,6 +61,10 @@ Json json_of(const FigureRow& row) {
           {"ours", result(row.ours)},         {"paper", result(row.paper)}};
 }
 
+Json json_of(const StudyOmission& row) {
+  return {{"part", study_name(row.part)}, {"reason", fitted(row.reason, longest_reason)}};
+}
+
 template <class Row>
 Json list_of(const std::vector<Row>& rows) {
   Json list = Json::array();
@@ -119,6 +123,10 @@ FigureRow read_figure(const JsonValue& at) {
   return row;
 }
 
+StudyOmission read_omission(const JsonValue& at) {
+  return {read_text(at["part"]), read_text(at["reason"], longest_reason)};
+}
+
 /// RFC 4180.
 std::string csv_field(const Json& value) {
   if (value.is_null()) return {};
@@ -169,7 +177,8 @@ std::string study_json(const Study& study) {
                          {"quick", study.quick},
                          {"points", list_of(study.points)},
                          {"stability", list_of(study.stability)},
-                         {"figures", list_of(study.figures)}});
+                         {"figures", list_of(study.figures)},
+                         {"omissions", list_of(study.omissions)}});
 }
 
 Result<Study> parse_study(std::string_view json, std::string_view name) {
@@ -184,6 +193,9 @@ Result<Study> parse_study(std::string_view json, std::string_view name) {
   for (const JsonValue& each : root["stability"].elements(0, most_rows))
     study.stability.push_back(read_stability(each));
   for (const JsonValue& each : root["figures"].elements(0, most_rows)) study.figures.push_back(read_figure(each));
+  // Studies of before have none.
+  if (const JsonValue omissions = root["omissions"]; omissions.present())
+    for (const JsonValue& each : omissions.elements(0, most_rows)) study.omissions.push_back(read_omission(each));
   std::set<std::string_view> luminaires;
   for (const StudyPoint& point : study.points) luminaires.insert(point.luminaire);
   if (luminaires.size() > most_study_plots)

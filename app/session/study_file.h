@@ -9,9 +9,10 @@
 
 namespace lumifield {
 
-/// A study on disk: `study.json` ("format": "lumifield-study", version 1), and its three lists as CSV for other
-/// programs. Members are named as those of Study; a result that is not finite (a refusal has no error, the paper not
-/// every number) is null, in CSV an empty field. All functions are reentrant.
+/// A study on disk: `study.json` ("format": "lumifield-study", version 1), and its lists of results as CSV for other
+/// programs. Members are named as those of Study; "omissions" may be absent, as in files of before there were any; a
+/// result that is not finite (a refusal has no error, the paper not every number) is null, in CSV an empty field. All
+/// functions are reentrant.
 
 inline constexpr std::string_view study_file_name = "study.json";
 

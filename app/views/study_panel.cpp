@@ -29,10 +29,13 @@ QString summary_of(const Study& study) {
   for (const StudyPoint& point : study.points) luminaires.insert(point.luminaire);
   QStringList names;
   for (const std::string& name : luminaires) names << QString::fromStdString(name);
-  return QString("%1 points of %2%3")
+  QStringList omitted;
+  for (const StudyOmission& each : study.omissions) omitted << QString::fromStdString(each.part);
+  return QString("%1 points of %2%3%4")
       .arg(study.points.size())
       .arg(names.isEmpty() ? "no luminaire" : names.join(", "))
-      .arg(study.quick ? "; quick study" : "");
+      .arg(study.quick ? "; quick study" : "")
+      .arg(omitted.isEmpty() ? "" : "; without " + omitted.join("; "));
 }
 
 QString stability_title(const Study& study) {

@@ -61,12 +61,17 @@ std::array<double, 3> EnvironmentLight::gloss(const GlossLobe& lobe, const Vec3&
   return sum;
 }
 
+std::vector<LobePoint> environment_reference_points(int samples) {
+  return lobe_points(PointSequence::halton, samples, 2, LobeDraws::diffuse);
+}
+
 std::array<double, 3> environment_reference(const LatLong& environment, const GlossLobe& lobe, const Vec3& n,
-                                            int samples) {
+                                            std::span<const LobePoint> points) {
   std::array<double, 3> sum{};
   const LobeDistribution draws(lobe, n);
   if (!draws.shines()) return sum;
-  for (const LobePoint& xi : lobe_points(PointSequence::halton, samples, 2, LobeDraws::diffuse)) {
+  const auto samples = static_cast<double>(points.size());
+  for (const LobePoint& xi : points) {
     const LobeDraw draw = draws.sample(xi);
     const auto light = environment.radiance(draw.direction);
     for (std::size_t c = 0; c < 3; ++c) sum[c] += draw.weight[c] * light[c] / samples;

@@ -3,6 +3,7 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "renderer/environment/dual_paraboloid.h"
@@ -44,9 +45,10 @@ class EnvironmentLight {
   std::vector<LobePoint> points_;
 };
 
-/// What the harmonics and the filter are judged by: the mean of n unfiltered samples, of the diffuse part (kind
-/// LOBE_NONE: irradiance) or of the lobe, in double. Units of the image.
+/// What the harmonics and the filter are judged by: the mean of unfiltered samples, of the diffuse part (kind
+/// LOBE_NONE: irradiance) or of the lobe, in double, by points made once for all receivers. Units of the image.
+std::vector<LobePoint> environment_reference_points(int samples);
 std::array<double, 3> environment_reference(const LatLong& environment, const GlossLobe& lobe, const Vec3& n,
-                                            int samples);
+                                            std::span<const LobePoint> points);
 
 }  // namespace lumifield

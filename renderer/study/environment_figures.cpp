@@ -4,10 +4,10 @@
 #include <cmath>
 #include <functional>
 
-#include "renderer/bands.h"
 #include "renderer/environment/environment_light.h"
 #include "renderer/study/lab.h"
 #include "renderer/study/ladder.h"
+#include "renderer/study/relative_rmse.h"
 
 namespace lumifield {
 
@@ -50,9 +50,15 @@ void fill(Picture& picture, const std::vector<Vec3>& normals, const Radiance& ra
   }
 }
 
-Picture picture_of(const std::vector<Vec3>& normals, const Radiance& radiance) {
+using Told = std::function<bool()>;
+
+/// Row by row; `told` is asked between two.
+Result<Picture> picture_of(const std::vector<Vec3>& normals, const Radiance& radiance, const Told& told) {
   Picture picture{side, side, std::vector<float>(3 * normals.size()), std::vector<float>(normals.size()), {}};
-  in_bands(normals.size(), [&](std::size_t begin, std::size_t end) { fill(picture, normals, radiance, begin, end); });
+  for (std::size_t begin = 0; begin < normals.size(); begin += side) {
+    if (!told()) return study_stopped();
+    fill(picture, normals, radiance, begin, begin + side);
+  }
   return picture;
 }
 
@@ -63,68 +69,89 @@ double one_thread_ms(const std::vector<Vec3>& normals, const Radiance& radiance)
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-double rel_rmse(const Picture& picture, const Picture& reference) {
-  double squares = 0, sum = 0, count = 0;
-  for (std::size_t k = 0; k < picture.rgb.size(); ++k) {
-    if (picture.coverage[k / 3] == 0) continue;
-    squares += std::pow(static_cast<double>(picture.rgb[k]) - static_cast<double>(reference.rgb[k]), 2);
-    sum += static_cast<double>(reference.rgb[k]);
-    ++count;
-  }
-  return std::sqrt(squares / count) / (sum / count);
-}
-
 /// Of filtered pictures by so many seeds: what noise is in one is gone from it, the filter's bias is not.
-Picture mean_picture(const EnvironmentLight& environment, const std::vector<Vec3>& seen, const GlossLobe& lobe,
-                     int samples) {
+Result<Picture> mean_picture(const EnvironmentLight& environment, const std::vector<Vec3>& seen, const GlossLobe& lobe,
+                             int samples, const Told& told) {
   std::vector<double> sum(3 * seen.size());
-  Picture picture;
+  Result<Picture> picture;
   for (std::uint32_t seed = 1; seed <= bias_seeds; ++seed) {
     const EnvironmentLight light = environment.with({samples, true, seed});
-    picture = picture_of(seen, [&](const Vec3& n) { return light.gloss(lobe, n); });
-    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += static_cast<double>(picture.rgb[k]);
+    picture = picture_of(
+        seen, [&](const Vec3& n) { return light.gloss(lobe, n); }, told);
+    if (!picture) return picture;
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += static_cast<double>(picture->rgb[k]);
   }
-  for (std::size_t k = 0; k < sum.size(); ++k) picture.rgb[k] = static_cast<float>(sum[k] / bias_seeds);
+  for (std::size_t k = 0; k < sum.size(); ++k) picture->rgb[k] = static_cast<float>(sum[k] / bias_seeds);
   return picture;
 }
+
+/// The rows of one environment.
+class Sphere {
+ public:
+  Sphere(const LatLong& environment, const StudyProgress& progress)
+      : environment_(environment), progress_(progress), lit_(environment, 1) {}
+
+  Status judge(const Surface& surface) {
+    surface_ = &surface;
+    const Eigen::Vector3f o = eye_.cast<float>();
+    lobe_ = {o.x(), o.y(), o.z(), surface.shape, 1, 1, 1, surface.kind};
+    auto reference = picture_of(
+        seen_, [&](const Vec3& n) { return environment_reference(environment_, lobe_, n, points_); }, told_);
+    if (!reference) return tl::unexpected(reference.error());
+    reference_ = std::move(*reference);
+    for (const bool filter : {true, false})
+      for (const int samples : {10, 20, 40, 100, 200}) {
+        if (const Status judged = judge(samples, filter); !judged) return judged;
+        done_ += 1.0 / 20;
+      }
+    return {};
+  }
+
+  std::vector<FigureRow> rows;
+
+ private:
+  Status judge(int samples, bool filter) {
+    const EnvironmentLight light = lit_.with({samples, filter});
+    const Radiance gloss = [&](const Vec3& n) { return light.gloss(lobe_, n); };
+    const auto picture = picture_of(seen_, gloss, told_);
+    if (!picture) return tl::unexpected(picture.error());
+    const std::string what =
+        std::string(surface_->name) + ", " + std::to_string(samples) + " samples, " + (filter ? "filtered" : "plain");
+    const auto add = [&](const char* figure, const char* quantity, double ours) {
+      rows.push_back({figure, "environment", what, quantity, ours, none});
+    };
+    const double white = average_luminance(reference_);
+    add("Fig. 20-8", "mean Lab ΔE", mean_lab_delta_e(tone_map(*picture, {1, white}), tone_map(reference_, {1, white})));
+    add("Fig. 20-8", "relative RMSE", relative_rmse(*picture, reference_));
+    add("Fig. 20-9", "time of a picture, one thread, ms", one_thread_ms(seen_, gloss));
+    if (!filter) return {};
+    const auto mean = mean_picture(lit_, seen_, lobe_, samples, told_);
+    if (!mean) return tl::unexpected(mean.error());
+    add("Fig. 20-8", "bias of the filter, relative RMSE", relative_rmse(*mean, reference_));
+    return {};
+  }
+
+  const LatLong& environment_;
+  const StudyProgress& progress_;
+  const EnvironmentLight lit_;
+  const std::vector<LobePoint> points_ = environment_reference_points(reference_samples);
+  const Vec3 eye_ = Vec3(1, -0.4, 0.35).normalized();
+  const std::vector<Vec3> seen_ = normals(eye_);
+  double done_ = 0;
+  const Surface* surface_ = nullptr;
+  GlossLobe lobe_{};
+  Picture reference_;
+  const Told told_ = [this] { return progress_(done_, std::string("Fig. 20-8, ") + surface_->name); };
+};
 
 }  // namespace
 
 Result<std::vector<FigureRow>> environment_figures(const LatLong& environment, const StudyProgress& progress) {
-  std::vector<FigureRow> rows;
-  const EnvironmentLight lit(environment, 1);
-  double done = 0;
-  const Vec3 eye = Vec3(1, -0.4, 0.35).normalized();
-  const std::vector<Vec3> seen = normals(eye);
-  const Eigen::Vector3f o = eye.cast<float>();
-  for (const Surface& s : {Surface{"Phong, exponent 50", LOBE_PHONG, 50}, {"GGX, roughness 0.3", LOBE_GGX, 0.09F}}) {
-    const GlossLobe lobe{o.x(), o.y(), o.z(), s.shape, 1, 1, 1, s.kind};
-    if (!progress(done, std::string("Fig. 20-8, ") + s.name)) return study_stopped();
-    const Picture reference =
-        picture_of(seen, [&](const Vec3& n) { return environment_reference(environment, lobe, n, reference_samples); });
-    const double white = average_luminance(reference);
-    const Picture8 wanted = tone_map(reference, {1, white});
-    for (const bool filter : {true, false})
-      for (const int samples : {10, 20, 40, 100, 200}) {
-        if (!progress(done, std::string("Fig. 20-8, ") + s.name)) return study_stopped();
-        done += 1.0 / 20;
-        const EnvironmentLight light = lit.with({samples, filter});
-        const Radiance gloss = [&](const Vec3& n) { return light.gloss(lobe, n); };
-        const Picture picture = picture_of(seen, gloss);
-        const std::string what =
-            std::string(s.name) + ", " + std::to_string(samples) + " samples, " + (filter ? "filtered" : "plain");
-        const auto add = [&](const char* figure, const char* quantity, double ours) {
-          rows.push_back({figure, "environment", what, quantity, ours, none});
-        };
-        add("Fig. 20-8", "mean Lab ΔE", mean_lab_delta_e(tone_map(picture, {1, white}), wanted));
-        add("Fig. 20-8", "relative RMSE", rel_rmse(picture, reference));
-        add("Fig. 20-9", "time of a picture, one thread, ms", one_thread_ms(seen, gloss));
-        if (filter)
-          add("Fig. 20-8", "bias of the filter, relative RMSE",
-              rel_rmse(mean_picture(lit, seen, lobe, samples), reference));
-      }
-  }
-  return rows;
+  Sphere sphere(environment, progress);
+  for (const Surface& surface :
+       {Surface{"Phong, exponent 50", LOBE_PHONG, 50}, {"GGX, roughness 0.3", LOBE_GGX, 0.09F}})
+    if (const Status judged = sphere.judge(surface); !judged) return tl::unexpected(judged.error());
+  return std::move(sphere.rows);
 }
 
 }  // namespace lumifield

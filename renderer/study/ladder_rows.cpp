@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <cstdio>
+#include <utility>
 
 namespace lumifield {
 
@@ -53,6 +54,30 @@ std::vector<FigureRow> equal_error_rows(const std::vector<StudyPoint>& points, c
     }
   }
   return rows;
+}
+
+ErrorAtTime error_at(std::vector<StudyPoint> ladder, double time_ms) {
+  // Of points that take as long the better one.
+  std::ranges::sort(ladder, {}, [](const StudyPoint& p) { return std::pair(p.time_ms, p.rel_rmse); });
+  const auto same = std::ranges::unique(ladder, {}, &StudyPoint::time_ms);
+  ladder.erase(same.begin(), same.end());
+  if (ladder.size() < 2) return {std::nan(""), ""};
+  const auto after = std::ranges::find_if(ladder.begin() + 1, ladder.end() - 1,
+                                          [&](const StudyPoint& p) { return p.time_ms >= time_ms; });
+  const StudyPoint &a = *(after - 1), &b = *after;
+  const double share = std::log(time_ms / a.time_ms) / std::log(b.time_ms / a.time_ms);
+  const char* beyond = "";
+  if (time_ms > b.time_ms) beyond = " (beyond the ladder, by its last slope)";
+  if (time_ms < a.time_ms) beyond = " (beyond the ladder's start, by its first slope)";
+  return {a.rel_rmse * std::pow(b.rel_rmse / a.rel_rmse, share), beyond};
+}
+
+std::optional<double> next_cost(const std::vector<StudyPoint>& ladder, double time_ms, double least, double most) {
+  const auto by_time = std::ranges::minmax(ladder, {}, &StudyPoint::time_ms);
+  const auto by_cost = std::ranges::minmax(ladder, {}, &StudyPoint::cost);
+  if (by_time.min.time_ms > time_ms && by_cost.min.cost / 4 >= least) return by_cost.min.cost / 4;
+  if (by_time.max.time_ms < time_ms && by_cost.max.cost * 4 <= most) return by_cost.max.cost * 4;
+  return std::nullopt;
 }
 
 std::vector<FigureRow> equal_time_rows(const std::vector<StudyPoint>& points, const std::string& luminaire) {

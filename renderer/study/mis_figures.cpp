@@ -8,7 +8,9 @@
 
 #include "renderer/sampling/sequence.h"
 #include "renderer/study/ladder.h"
+#include "renderer/study/ladder_rows.h"
 #include "renderer/study/reference_cache.h"
+#include "renderer/study/relative_rmse.h"
 
 namespace lumifield {
 
@@ -24,14 +26,11 @@ struct Scored {
   std::vector<double> reference;
   std::size_t channels;
 
-  /// Of what is seen: Σ of the squared errors.
-  double squares(const StudyLight& light) const {
-    double sum = 0;
+  /// Adds what is seen.
+  void judge(const StudyLight& light, RelativeRmse& error) const {
     auto wanted = reference.begin();
     for (std::size_t k = 0; k < frame.receivers.size(); ++k)
-      for (const double value : frame.seen(light, k, k, channels))
-        sum += (value - *wanted) * (value - *wanted), ++wanted;
-    return sum;
+      for (const double value : frame.seen(light, k, k, channels)) error.add(value, *wanted++);
   }
   double mean() const {
     double sum = 0;
@@ -90,10 +89,12 @@ Result<Scored> scored(StudyCamera& camera, const LightField& light_field, double
 struct Point {
   DeviceMethod* method;
   double samples;
-  double s = HUGE_VAL, rel_rmse = 0;
+  double s = HUGE_VAL;
+  RelativeRmse error{};  ///< over all seeds
 };
+using Told = std::function<bool()>;
 /// Run by run of all, so that what slows a while slows them alike.
-Status run(std::vector<Point>& points, const Scored& scored, const std::function<bool()>& told) {
+Status run(std::span<Point> points, const Scored& scored, const Told& told) {
   for (int seed = 1; seed <= seeds; ++seed)
     for (Point& point : points) {
       if (!told()) return study_stopped();
@@ -103,21 +104,59 @@ Status run(std::vector<Point>& points, const Scored& scored, const std::function
       const auto took = timed_evaluation(*point.method, scored.frame, 1, light);
       if (!took) return tl::unexpected(took.error());
       point.s = std::min(point.s, *took);
-      point.rel_rmse += scored.squares(light) / seeds;
+      scored.judge(light, point.error);
     }
-  for (Point& point : points)
-    point.rel_rmse = std::sqrt(point.rel_rmse / static_cast<double>(scored.reference.size())) / scored.mean();
   return {};
 }
 
-/// The error at a time, by the line in the logarithms through the two points about it, or nearest.
-double error_at(std::span<const Point> ladder, double s) {
-  std::size_t k = 1;
-  while (k + 1 < ladder.size() && ladder[k].s < s) ++k;
-  const Point &a = ladder[k - 1], &b = ladder[k];
-  if (!(b.s > a.s)) return b.rel_rmse;
-  const double share = std::log(s / a.s) / std::log(b.s / a.s);
-  return a.rel_rmse * std::pow(b.rel_rmse / a.rel_rmse, share);
+StudyPoint as_study_point(const Point& point) {
+  StudyPoint as;
+  as.cost = point.samples;
+  as.time_ms = 1e3 * point.s;
+  as.rel_rmse = point.error.value();
+  return as;
+}
+
+/// mis, and ladders of the others, that hold its time between two points where they can.
+struct Compared {
+  StudyPoint mis;
+  std::array<std::vector<StudyPoint>, 2> parts;
+};
+Result<Compared> compare(const std::array<DeviceMethod*, 3>& methods, const Scored& scored, const Told& told) {
+  const double usual = info(Method::mis).samples, most = 256 * usual;
+  constexpr std::array rungs{0.25, 1.0, 4.0};
+  std::vector<Point> points;
+  for (std::size_t m = 0; m < 2; ++m)
+    for (const double rung : rungs) points.push_back({methods[m], rung * usual});
+  points.push_back({methods[2], usual});
+  if (const Status ran = run(points, scored, told); !ran) return tl::unexpected(ran.error());
+  Compared all{as_study_point(points.back()), {}};
+  for (std::size_t m = 0; m < 2; ++m) {
+    std::vector<StudyPoint>& ladder = all.parts[m];
+    for (std::size_t k = 0; k < rungs.size(); ++k) ladder.push_back(as_study_point(points[rungs.size() * m + k]));
+    while (const auto samples = next_cost(ladder, all.mis.time_ms, 1, most)) {
+      Point more{methods[m], *samples};
+      if (const Status ran = run({&more, 1}, scored, told); !ran) return tl::unexpected(ran.error());
+      ladder.push_back(as_study_point(more));
+    }
+  }
+  return all;
+}
+
+void add_rows(const Compared& all, const std::string& luminaire, const std::string& look,
+              std::vector<FigureRow>& rows) {
+  const double none = std::nan("");
+  constexpr const char* quantity = "relative RMSE in equal time, %";
+  ErrorAtTime better{HUGE_VAL, ""};
+  for (std::size_t m = 0; m < 2; ++m) {
+    const ErrorAtTime error = error_at(all.parts[m], all.mis.time_ms);
+    if (error.rel_rmse < better.rel_rmse) better = error;
+    rows.push_back({"mis", luminaire, look + ": " + std::string(to_string(compared[m])) + error.beyond, quantity,
+                    100 * error.rel_rmse, none});
+  }
+  rows.push_back({"mis", luminaire, look + ": mis", quantity, 100 * all.mis.rel_rmse, none});
+  rows.push_back({"mis", luminaire, look + ": mis over the better part" + better.beyond, "ratio of relative RMSE",
+                  all.mis.rel_rmse / better.rel_rmse, none});
 }
 
 }  // namespace
@@ -126,7 +165,6 @@ Result<std::vector<FigureRow>> mis_figures(StudyCamera& camera, const StudyLumin
                                            const std::filesystem::path& cache, bool quick,
                                            const StudyProgress& progress) {
   const LightField& light_field = luminaire.light_field;
-  const double usual = info(Method::mis).samples, none = std::nan("");
   std::array<std::unique_ptr<DeviceMethod>, compared.size()> made;
   for (std::size_t m = 0; m < compared.size(); ++m) {
     auto method = make_device_method(light_field.geometry(), {.method = compared[m]});
@@ -145,26 +183,13 @@ Result<std::vector<FigureRow>> mis_figures(StudyCamera& camera, const StudyLumin
     look = (look.empty() ? "diffuse" : look) + (mirrored ? ", the lamp mirrored" : "");
     const auto at = scored(camera, light_field, roughness, mirrored, cache);
     if (!at) return tl::unexpected(at.error());
-    std::vector<Point> points;
-    for (const auto& method : {made[0].get(), made[1].get()})
-      for (const double samples : {usual / 4, usual, 4 * usual}) points.push_back({method, samples});
-    points.push_back({made[2].get(), usual});
     const auto told = [&] {
       return progress(static_cast<double>(k) / static_cast<double>(2 * roughnesses.size()),
                       luminaire.name + ", mis, " + look);
     };
-    if (const Status ran = run(points, *at, told); !ran) return tl::unexpected(ran.error());
-    const Point& mis = points.back();
-    double better = HUGE_VAL;
-    for (std::size_t m = 0; m < 2; ++m) {
-      const double error = error_at(std::span(points).subspan(3 * m, 3), mis.s);
-      better = std::min(better, error);
-      rows.push_back({"mis", luminaire.name, look + ": " + std::string(to_string(compared[m])),
-                      "relative RMSE in equal time, %", 100 * error, none});
-    }
-    rows.push_back({"mis", luminaire.name, look + ": mis", "relative RMSE in equal time, %", 100 * mis.rel_rmse, none});
-    rows.push_back({"mis", luminaire.name, look + ": mis over the better part", "ratio of relative RMSE",
-                    mis.rel_rmse / better, none});
+    const auto compared_at = compare({made[0].get(), made[1].get(), made[2].get()}, *at, told);
+    if (!compared_at) return tl::unexpected(compared_at.error());
+    add_rows(*compared_at, luminaire.name, look, rows);
   }
   return rows;
 }

@@ -21,8 +21,9 @@ struct StudyJob {
 /// reference's; mis beside its parts; a whole frame of the last luminaire at all its places; the stability table; the
 /// paper's figures; those of shift-invariant; and where the scene names an environment, those of gloss lit by it.
 /// If quick, looks, shadows and mis are the first luminaire's alone. Opens an EGL context and OpenCL on the calling
-/// thread. Errors: the scene's and its environment's, no EGL, no OpenCL, a luminaire that lights nothing seen, stopped
-/// (ErrorKind::stopped).
+/// thread. A part that fails is one of the study's omissions, as is a luminaire that lights nothing seen; all else goes
+/// on. Errors: the scene's and, before anything is computed, its environment's, no EGL, that of the first luminaire
+/// where none has a ladder (no OpenCL), stopped (ErrorKind::stopped).
 Result<Study> run_study(const StudyJob& job, const StudyProgress& progress);
 
 }  // namespace lumifield

@@ -5,6 +5,7 @@
 
 #include "renderer/study/lab.h"
 #include "renderer/study/ladder.h"
+#include "renderer/study/relative_rmse.h"
 
 namespace lumifield {
 
@@ -30,16 +31,6 @@ Result<std::vector<double>> evaluate(const LightField& light_field, const StudyF
   std::vector<double> irradiance;
   if (const Status read = (*method)->read(irradiance); !read) return tl::unexpected(read.error());
   return irradiance;
-}
-
-double rel_rmse(const std::vector<double>& values, const std::vector<double>& truth) {
-  double squares = 0, sum = 0;
-  for (std::size_t k = 0; k < truth.size(); ++k) {
-    squares += (values[k] - truth[k]) * (values[k] - truth[k]);
-    sum += truth[k];
-  }
-  const auto n = static_cast<double>(truth.size());
-  return std::sqrt(squares / n) / (sum / n);
 }
 
 std::string words(Visibility visibility) {
@@ -73,13 +64,15 @@ Result<std::vector<FigureRow>> shadow_figures(StudyCamera& camera, const StudyLu
     if (!frame) return tl::unexpected(frame.error());
     const auto light = evaluate(light_field, *frame, Method::closed_form, told);
     if (!light) return tl::unexpected(light.error());
+    RelativeRmse error;
+    for (std::size_t k = 0; k < truth->size(); ++k) error.add((*light)[k], (*truth)[k]);
     const bool maps = each.visibility == Visibility::tile || each.visibility == Visibility::published;
     const Picture8 mapped = tone_map(frame->picture({*light, {}}, channels), {1, white});
     const auto add = [&](const char* quantity, double ours, double paper) {
       rows.push_back({"Fig. 7", luminaire.name, words(each.visibility), quantity, ours, paper});
     };
     add("mean Lab ΔE", mean_lab_delta_e(mapped, reference), maps ? 1.2 : std::nan(""));
-    add("relative RMSE of irradiance, %", 100 * rel_rmse(*light, *truth), std::nan(""));
+    add("relative RMSE of irradiance, %", 100 * error.value(), std::nan(""));
   }
   return rows;
 }

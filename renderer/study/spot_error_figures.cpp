@@ -8,6 +8,7 @@
 #include "renderer/methods/closed_form.h"
 #include "renderer/shift_invariant/constant_distance_error.h"
 #include "renderer/shift_invariant/shift_invariant.h"
+#include "renderer/study/relative_rmse.h"
 #include "renderer/study/synthetic_luminaire.h"
 
 namespace lumifield {
@@ -43,16 +44,14 @@ double error_of_the_method(const LightField& field, const Vec3& direction, doubl
   const ClosedForm reference(field);
   const Vec3 across = direction.unitOrthogonal(), along = direction.cross(across),
              normal = (across - direction).normalized();
-  double squares = 0, sum = 0;
+  RelativeRmse error;
   for (int k = 0; k < side * side; ++k) {
     const double x = (k % side + 0.5) / side - 0.5, y = (k / side + 0.5) / side - 0.5;
     const Receiver at{distance_mm * (direction + 0.3 * (x * across + y * along)), normal};
-    const double right = reference.irradiance(at)[0];
     const auto got = spots.irradiance(at, 0);
-    squares += std::pow((got ? (*got)[0] : 0) - right, 2);
-    sum += right * right;
+    error.add(got ? (*got)[0] : 0, reference.irradiance(at)[0]);
   }
-  return std::sqrt(squares / sum);
+  return error.value();
 }
 
 }  // namespace

@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <stdlib.h>
+#include <system_error>
 
 #include "renderer/renderer.h"
 #include "renderer/study/hall.h"
 #include "renderer/study/ladder.h"
+#include "renderer/study/relative_rmse.h"
 #include "renderer/study/synthetic_luminaire.h"
 
 namespace lumifield {
@@ -45,8 +48,12 @@ struct Timed {
 class HallFolder {
  public:
   static Result<std::unique_ptr<HallFolder>> create(int sides) {
-    std::string path = (std::filesystem::temp_directory_path() / "lumifield_hall_XXXXXX").string();
-    if (!mkdtemp(path.data())) return fail("cannot be made", path, "make room, or set TMPDIR to a folder to write to");
+    constexpr const char* remedy = "make room, or set TMPDIR to a folder to write to";
+    std::error_code wrong;
+    const std::filesystem::path place = std::filesystem::temp_directory_path(wrong);
+    if (wrong) return fail("no place for a hall's files: " + wrong.message(), place.string(), remedy);
+    std::string path = (place / "lumifield_hall_XXXXXX").string();
+    if (!mkdtemp(path.data())) return fail("cannot be made: " + std::generic_category().message(errno), path, remedy);
     std::unique_ptr<HallFolder> folder(new HallFolder(path));
     auto scene = write_hall(path, sides);
     if (!scene) return tl::unexpected(scene.error());
@@ -208,19 +215,9 @@ class SpeedRows {
         if (!kept) return tl::unexpected(kept.error());
         add(what + (kind == SpotSums::float32 ? ", sums in float" : ", sums in sRGBE"), "frames/s", 1 / kept->frame_s);
       }
-      add(what + ", sums in sRGBE against float", "relative RMSE", rel_rmse(pictures[1], pictures[0]));
+      add(what + ", sums in sRGBE against float", "relative RMSE", relative_rmse(pictures[1], pictures[0]));
     }
     return {};
-  }
-
-  static double rel_rmse(const Picture& picture, const Picture& reference) {
-    double squares = 0, sum = 0;
-    for (std::size_t k = 0; k < picture.rgb.size(); ++k) {
-      const double right = static_cast<double>(reference.rgb[k]);
-      squares += std::pow(static_cast<double>(picture.rgb[k]) - right, 2);
-      sum += right * right;
-    }
-    return std::sqrt(squares / sum);
   }
 
   void add(const std::string& what, const char* quantity, double ours, double paper = none) {

@@ -45,6 +45,12 @@ struct FigureRow {
   double paper = 0;  ///< NaN where the paper gives none
 };
 
+/// A part that a study has not, since it failed.
+struct StudyOmission {
+  std::string part;  ///< "Table 1", "bike, mis"
+  std::string reason;
+};
+
 /// What a study found, as it is written to and read from study.json.
 struct Study {
   std::string scene;
@@ -52,6 +58,7 @@ struct Study {
   std::vector<StudyPoint> points;
   std::vector<StabilityRow> stability;
   std::vector<FigureRow> figures;
+  std::vector<StudyOmission> omissions;
 };
 
 }  // namespace lumifield

@@ -6,6 +6,7 @@
 #include "renderer/methods/host_evaluation.h"
 #include "renderer/study/lab.h"
 #include "renderer/study/reference_cache.h"
+#include "renderer/study/relative_rmse.h"
 
 namespace lumifield {
 
@@ -76,15 +77,11 @@ Result<std::unique_ptr<DeviceMethod>> StudyBench::make(const MethodSettings& set
 }
 
 double StudyBench::rel_rmse(const StudyLight& light) const {
-  double squares = 0, sum = 0;
+  RelativeRmse error;
   auto reference = reference_.begin();
   for (const std::size_t k : chosen_)
-    for (const double value : timed_.seen(light, k, k, channels())) {
-      squares += (value - *reference) * (value - *reference);
-      sum += *reference++;
-    }
-  const auto n = static_cast<double>(reference_.size());
-  return std::sqrt(squares / n) / (sum / n);
+    for (const double value : timed_.seen(light, k, k, channels())) error.add(value, *reference++);
+  return error.value();
 }
 
 Picture8 StudyBench::tone_mapped(const StudyLight& small) const {

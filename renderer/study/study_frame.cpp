@@ -25,8 +25,8 @@ Picture StudyFrame::picture(const StudyLight& light, std::size_t channels) const
                   std::vector<float>(3 * receivers.size()),
                   std::vector<float>(receivers.size()),
                   {}};
-  shade(gbuffer, materials, {placement}, {light.irradiance, channels, light.gloss, appearance.gloss_channels(channels)}, {},
-        picture);
+  shade(gbuffer, materials, {placement}, {light.irradiance, channels, light.gloss, appearance.gloss_channels(channels)},
+        {}, picture);
   return picture;
 }
 
@@ -35,9 +35,7 @@ std::vector<double> StudyFrame::seen(const StudyLight& light, std::size_t k, std
   const auto begin = light.irradiance.begin() + static_cast<std::ptrdiff_t>(k * channels);
   std::vector<double> seen(begin, begin + static_cast<std::ptrdiff_t>(channels));
   if (light.gloss.empty()) return seen;
-  const float* rho = gbuffer.reflectance.empty()
-                         ? materials[static_cast<std::size_t>(gbuffer.normal[4 * pixel + 3])].diffuse.data()
-                         : &gbuffer.reflectance[4 * pixel];
+  const float* rho = diffuse_at(gbuffer, materials, pixel);
   const double mean = (static_cast<double>(rho[0]) + rho[1] + rho[2]) / 3;
   for (std::size_t c = 0; c < channels; ++c)
     seen[c] = mean * std::numbers::inv_pi * seen[c] + light.gloss[k * channels + c];

@@ -157,6 +157,11 @@ TEST(StudyReport, NamesEachMethodsLeastErrorAndWhatFailed) {
               HasSubstr("  bike\n    closed-form                 least error    3e-06 % in       88 ms  exact\n"));
   EXPECT_THAT(text, HasSubstr("    position-dependent          least error     1.41 % in      208 ms  K = 4096\n"));
   EXPECT_THAT(text, HasSubstr("  failed: position-dependent-printed, grazing: off by more than it says\n"));
+  Study without = test::made_up_study();
+  without.omissions = {{"Table 1", "/tmp: cannot be made; make room"}};
+  EXPECT_THAT(study_summary_text(without, "out", 75),
+              HasSubstr("  without Table 1: /tmp: cannot be made; make room\n"));
+  EXPECT_EQ(nlohmann::json::parse(study_summary_json(without, "out", 75))["omissions"][0]["part"], "Table 1");
   const auto json = nlohmann::json::parse(study_summary_json(test::made_up_study(), "out\xff", 75));
   EXPECT_EQ(json["stability"]["failed"], 1);
   EXPECT_EQ(json["luminaires"].size(), 3U);

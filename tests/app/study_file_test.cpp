@@ -29,6 +29,7 @@ Study small_study() {
                      {Method::uniform_box, "grazing", StabilityOutcome::failed, 0.5, "says \"done\",\nis not"}};
   study.figures = {{"Fig. 5", "bike", "secant, depth 3", "mean Lab ΔE", 1.25, none},
                    {"Fig. 9", "car1", "K_max 40", "time, ms", -2, 140}};
+  study.omissions = {{"Table 1", "/tmp: cannot be made; make room"}};
   return study;
 }
 
@@ -59,6 +60,18 @@ TEST_F(StudyFile, IsReadAsItWasWritten) {
   EXPECT_EQ(read->stability[2].reason, "says \"done\",\nis not");
   EXPECT_EQ(read->figures[1].ours, -2);
   EXPECT_EQ(read->figures[1].paper, 140);
+  ASSERT_EQ(read->omissions.size(), 1U);
+  EXPECT_EQ(read->omissions[0].part, "Table 1");
+  EXPECT_EQ(read->omissions[0].reason, "/tmp: cannot be made; make room");
+}
+
+TEST_F(StudyFile, OfBeforeThereWereOmissionsIsRead) {
+  Json json = Json::parse(study_json(small_study()));
+  json.erase("omissions");
+  const Result<Study> read = parse_study(json.dump(), "study.json");
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_TRUE(read->omissions.empty());
+  EXPECT_EQ(read->figures.size(), 2U);
 }
 
 TEST_F(StudyFile, WhatIsNotFiniteIsNullAndAnEmptyField) {
@@ -118,6 +131,7 @@ TEST_F(StudyFile, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(refusal_with("/stability/0/outcome", "fine"), HasSubstr("stability[0].outcome: \"fine\" is not known"));
   EXPECT_THAT(refusal_with("/stability/1", 7), HasSubstr("stability[1]: has the wrong type"));
   EXPECT_THAT(refusal_with("/figures", Json::object()), HasSubstr("figures: has the wrong type"));
+  EXPECT_THAT(refusal_with("/omissions/0/part", 3), HasSubstr("omissions[0].part: has the wrong type"));
   EXPECT_THAT(refusal_with("/quick", 1), HasSubstr("quick: has the wrong type"));
 }
 

@@ -168,6 +168,7 @@ TEST(IrradianceHarmonics, AreOrthonormalAndOfAFirstDegreeExact) {
 TEST(IrradianceHarmonics, AreNearTheIrradiance) {
   const LatLong image = made_up();
   const IrradianceHarmonics harmonics(image);
+  const auto points = environment_reference_points(100'000);
   double squares = 0, sum = 0;
   for (const Vec3& n : directions(60)) {
     const double exact =
@@ -176,7 +177,7 @@ TEST(IrradianceHarmonics, AreNearTheIrradiance) {
     EXPECT_LT(std::abs(off), 0.15 * exact);
     squares += off * off / 60, sum += exact / 60;
     // The reference is plain samples of the same.
-    EXPECT_NEAR(environment_reference(image, {}, n, 100'000)[1], exact, 3e-3 * exact);
+    EXPECT_NEAR(environment_reference(image, {}, n, points)[1], exact, 3e-3 * exact);
   }
   EXPECT_LT(std::sqrt(squares), 0.05 * sum) << "degrees of 4 and more";
 }
@@ -189,13 +190,14 @@ GlossLobe lobe_of(int kind, float shape, const Vec3& eye) {
 TEST(EnvironmentLight, ShinesAsTheReferenceDoes) {
   const LatLong image = made_up(128);
   const EnvironmentLight plain(image, 2, {20'000, false}), filtered(image, 2, {20'000, true});
+  const auto points = environment_reference_points(100'000);
   const auto all = directions(24);
   for (const auto& [kind, shape] : {std::pair(LOBE_PHONG, 50.0F), {LOBE_GGX, 0.09F}})
     for (std::size_t k = 4; k + 1 < all.size(); ++k) {
       const Vec3 n = all[k].dot(all[k + 1]) > 0 ? all[k] : Vec3(-all[k]);
       if (n.dot(all[k + 1]) < 0.4) continue;  // a lobe at grazing angles is narrower than a pixel
       const GlossLobe lobe = lobe_of(kind, shape, all[k + 1]);
-      const auto wanted = environment_reference(image, lobe, n, 100'000);
+      const auto wanted = environment_reference(image, lobe, n, points);
       const double exact = over_pixels(image, [&](const auto& light, const Vec3& d) {
         return light[1] * glossy_brdf(lobe, n, d)[1] * std::max(n.dot(d), 0.0);
       });
@@ -209,6 +211,7 @@ TEST(EnvironmentLight, ShinesAsTheReferenceDoes) {
 
 TEST(EnvironmentLight, FewFilteredSamplesAreNearerThanPlainOnes) {
   const LatLong image = made_up(128, 4000);
+  const auto points = environment_reference_points(20'000);
   const auto all = directions(200);
   for (const auto& [kind, shape] : {std::pair(LOBE_PHONG, 50.0F), {LOBE_GGX, 0.09F}})
     for (const int samples : {10, 40, 200}) {
@@ -217,7 +220,7 @@ TEST(EnvironmentLight, FewFilteredSamplesAreNearerThanPlainOnes) {
       for (std::size_t k = 4; k + 1 < all.size(); ++k) {
         const Vec3 n = all[k].dot(all[k + 1]) > 0 ? all[k] : Vec3(-all[k]);
         const GlossLobe lobe = lobe_of(kind, shape, all[k + 1]);
-        const double wanted = environment_reference(image, lobe, n, 20'000)[1];
+        const double wanted = environment_reference(image, lobe, n, points)[1];
         with += std::pow(filtered.gloss(lobe, n)[1] - wanted, 2);
         without += std::pow(plain.gloss(lobe, n)[1] - wanted, 2);
       }

@@ -4,9 +4,12 @@
 
 #include "renderer/renderer.h"
 #include "renderer/study/synthetic_luminaire.h"
+#include "tests/support/apart.h"
 
 namespace lumifield {
 namespace {
+
+using test::apart;
 
 class RendererMethods : public testing::Test {
  protected:
@@ -17,15 +20,6 @@ class RendererMethods : public testing::Test {
     renderer_ = Renderer::create(scene_, 80, 60).value();
   }
 
-  /// RMS of the difference over the RMS of `exact`.
-  static double apart(const Picture& a, const Picture& exact) {
-    double squares = 0, all = 0;
-    for (std::size_t k = 0; k < exact.rgb.size(); ++k) {
-      squares += std::pow(a.rgb[k] - exact.rgb[k], 2);
-      all += std::pow(exact.rgb[k], 2);
-    }
-    return std::sqrt(squares / all);
-  }
   /// A picture of finite values in which most of what is covered is lit.
   static Picture lit(const Result<Picture>& shown) {
     Picture picture = shown.value();

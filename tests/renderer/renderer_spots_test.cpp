@@ -7,10 +7,12 @@
 #include "renderer/methods/device_method.h"
 #include "renderer/renderer.h"
 #include "renderer/study/synthetic_luminaire.h"
+#include "tests/support/apart.h"
 
 namespace lumifield {
 namespace {
 
+using test::apart;
 using testing::HasSubstr;
 
 /// As on a machine that has none.
@@ -35,15 +37,6 @@ class RendererSpots : public testing::Test {
     EXPECT_TRUE(made->set_visibility(visibility));
     EXPECT_TRUE(made->set_luminaire(field_.geometry()));
     return made;
-  }
-  static double apart(const Picture& a, const Picture& b) {
-    double squares = 0, all = 0;
-    for (std::size_t k = 0; k < b.rgb.size(); ++k) {
-      squares += std::pow(a.rgb[k] - b.rgb[k], 2);
-      all += std::pow(b.rgb[k], 2);
-    }
-    EXPECT_GT(all, 0);
-    return std::sqrt(squares / all);
   }
   LightField field_ = make_luminaire({.name = "small", .columns = 3, .rows = 2, .pixels = 75, .pixel_mm = 4});
   Scene scene_;

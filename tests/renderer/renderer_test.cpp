@@ -1,146 +1,29 @@
 #include "renderer/renderer.h"
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <limits>
-#include <numbers>
-#include <random>
 
-#include "renderer/methods/closed_form.h"
 #include "renderer/methods/table_memory.h"
-#include "renderer/opengl/gbuffer.h"
-#include "renderer/scene/mesh.h"
 #include "tests/support/exr_file.h"
+#include "tests/support/renderer_fixture.h"
 
 namespace lumifield {
 namespace {
 
+using test::difference;
+using test::geometry_of;
+using test::height;
+using test::image_of;
+using test::light_field_of;
+using test::pose_of;
+using test::RendererTest;
+using test::width;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
-namespace fs = std::filesystem;
-
-constexpr int width = 40, height = 30;
-
-LuminaireGeometry geometry_of(std::vector<std::string> channels) {
-  LuminaireGeometry g;
-  g.planes.separation_mm = 150;
-  g.sampling = {BasisKind::bell, {7.5, 6}, 3, 2, {1, -2}};
-  g.measurement = {40, 30, {6, 6}, {3, 1}};
-  g.channels = std::move(channels);
-  g.quantity = Quantity::radiance;
-  return g;
-}
-
-std::shared_ptr<const CellImage> image_of(const LuminaireGeometry& g, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> uniform(-0.1F, 1);
-  CellImage image;
-  image.width_px = g.measurement.width_px;
-  image.height_px = g.measurement.height_px;
-  image.channels = static_cast<int>(g.channels.size());
-  image.value.resize(image.plane() * g.channels.size());
-  for (float& v : image.value) v = uniform(random);
-  return std::make_shared<const CellImage>(std::move(image));
-}
-
-LightField light_field_of(const LuminaireGeometry& g) {
-  LightField field(g);
-  for (int k = 0; k < g.sampling.cells(); ++k)
-    EXPECT_TRUE(field.add(g.sampling.index(k), image_of(g, static_cast<unsigned>(k) + 1)));
-  return field;
-}
-
-/// A rotation about a slanted axis, then a shift.
-Pose pose_of(double angle, const Vec3& axis, const Vec3& shift) {
-  Pose pose = Pose::Identity();
-  pose.topLeftCorner<3, 3>() = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
-  pose.topRightCorner<3, 1>() = shift;
-  return pose;
-}
-
-/// Largest difference of two pictures over the largest value.
-double difference(const Picture& a, const Picture& b) {
-  EXPECT_EQ(a.rgb.size(), b.rgb.size());
-  EXPECT_EQ(a.coverage, b.coverage);
-  double most = 0, apart = 0;
-  for (std::size_t i = 0; i < std::min(a.rgb.size(), b.rgb.size()); ++i) {
-    most = std::max(most, static_cast<double>(std::abs(a.rgb[i])));
-    apart = std::max(apart, static_cast<double>(std::abs(a.rgb[i] - b.rgb[i])));
-  }
-  EXPECT_GT(most, 0);
-  return apart / most;
-}
-
-/// A floor and a wall, 700 mm before lamps that shine down and aside.
-class RendererTest : public testing::Test {
- protected:
-  void SetUp() override {
-    if (const auto gl = probe_opengl(); !gl) GTEST_SKIP() << gl.error().message();
-    if (const auto cl = probe_opencl(); !cl) GTEST_SKIP() << cl.error().message();
-    std::string path = (fs::temp_directory_path() / "renderer_test_XXXXXX").string();
-    ASSERT_NE(mkdtemp(path.data()), nullptr);
-    folder_ = path;
-    std::ofstream(folder_ / "room.mtl") << "newmtl floor\nKd 0.5 0.25 0.75\nnewmtl wall\nKd 0.8 0.8 0.8\n";
-    std::ofstream(folder_ / "room.obj")
-        << "mtllib room.mtl\nv -800 -500 0\nv 800 -500 0\nv 800 700 0\nv -800 700 0\nv -800 700 500\nv 800 700 500\n"
-           "usemtl floor\nf 1 2 3 4\nusemtl wall\nf 4 3 6 5\n";
-    scene_.mesh = folder_ / "room.obj";
-    scene_.camera.position_mm = {300, -1200, 900};
-    scene_.camera.target_mm = {0, 200, 150};
-    scene_.luminaires = {{pose_of(2.6, {1, 0.2, 0}, {50, 100, 700}), 1}};
-  }
-  void TearDown() override {
-    if (!folder_.empty()) fs::remove_all(folder_);
-  }
-  std::unique_ptr<Renderer> renderer_of(const Scene& scene, const LuminaireGeometry& geometry) {
-    auto renderer = Renderer::create(scene, width, height);
-    EXPECT_TRUE(renderer) << renderer.error().message();
-    const Status set = (*renderer)->set_luminaire(geometry);
-    EXPECT_TRUE(set) << set.error().message();
-    return std::move(*renderer);
-  }
-  Picture fresh(const Scene& scene, const LightField& field) {
-    auto renderer = renderer_of(scene, field.geometry());
-    const Status added = renderer->add_all(field);
-    EXPECT_TRUE(added) << added.error().message();
-    return *renderer->picture();
-  }
-  /// The picture by the host's closed form at the G-buffer's positions.
-  Picture expected(const LightField& field, double lod = 0);
-
-  fs::path folder_;
-  Scene scene_;
-};
-
-Picture RendererTest::expected(const LightField& field, double lod) {
-  const ClosedForm closed_form(field, lod);
-  const auto mesh = read_mesh(scene_.mesh);
-  auto context = EglContext::create();
-  const auto g = (*GBufferPass::create(**context, *mesh))->draw(scene_.camera, width, height);
-  Picture picture{width, height, std::vector<float>(3 * width * height), std::vector<float>(width * height), {}};
-  for (std::size_t i = 0; i < picture.coverage.size(); ++i) {
-    picture.coverage[i] = g->position[4 * i + 3];
-    if (picture.coverage[i] == 0) continue;
-    std::array<double, 3> sum{};
-    for (const ScenePlacement& placement : scene_.luminaires) {
-      const Pose inverse = placement.pose.inverse();
-      const Vec3 p(g->position[4 * i], g->position[4 * i + 1], g->position[4 * i + 2]);
-      const Vec3 n(g->normal[4 * i], g->normal[4 * i + 1], g->normal[4 * i + 2]);
-      const auto e = closed_form.irradiance({transform_point(inverse, p), transform_direction(inverse, n)});
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += placement.scale * e[e.size() == 3 ? c : 0];
-    }
-    const Material& material = mesh->materials[static_cast<std::size_t>(g->normal[4 * i + 3])];
-    for (std::size_t c = 0; c < 3; ++c)
-      picture.rgb[3 * i + c] = static_cast<float>(material.diffuse[c] * sum[c] / std::numbers::pi);
-  }
-  return picture;
-}
 
 TEST_F(RendererTest, EveryPixelIsTheClosedFormsAtItsPosition) {
   for (const auto& channels : {std::vector<std::string>{"Y"}, std::vector<std::string>{"R", "G", "B"}}) {
@@ -152,112 +35,6 @@ TEST_F(RendererTest, EveryPixelIsTheClosedFormsAtItsPosition) {
     for (std::size_t i = 0; i < picture.rgb.size(); ++i)
       EXPECT_TRUE(picture.coverage[i / 3] > 0 || picture.rgb[i] == 0);
     EXPECT_EQ(picture.note, "light from surface to surface");
-  }
-}
-
-/// Rays and maps darken the same places; placements that are moved look as if they had always stood there, whatever
-/// stood there before.
-TEST_F(RendererTest, WhatStandsBeforeALuminaireCastsAShadow) {
-  const Scene pillars = read_scene(LUMIFIELD_SOURCE_DIR "/resources/scenes/pillars/scene.json").value();
-  const LightField field = light_field_of(geometry_of({"Y"}));
-  auto renderer = renderer_of(pillars, field.geometry());
-  ASSERT_TRUE(renderer->add_all(field));
-  EXPECT_EQ(renderer->visibility(), Visibility::tile);
-  const Picture shadowed = *renderer->picture();
-  EXPECT_EQ(renderer->shadow_maps_made(), 1);
-  ASSERT_TRUE(renderer->set_visibility(Visibility::none));
-  const Picture bare = *renderer->picture();
-  EXPECT_THAT(bare.note, HasSubstr("shadows"));
-  EXPECT_EQ(renderer->info().left_out, bare.note);
-  EXPECT_NE(renderer->info().left_out, shadowed.note) << "that was another visibility";
-  ASSERT_TRUE(renderer->set_visibility(Visibility::rays));
-  const Picture by_rays = *renderer->picture();
-  int darker = 0;
-  for (std::size_t i = 0; i < bare.rgb.size(); ++i) {
-    EXPECT_LE(by_rays.rgb[i], bare.rgb[i] * (1 + 1e-5F));
-    EXPECT_LE(shadowed.rgb[i], bare.rgb[i] * (1 + 1e-5F));
-    darker += by_rays.rgb[i] < 0.9F * bare.rgb[i];
-  }
-  EXPECT_GT(darker, 30);
-  EXPECT_LT(difference(by_rays, shadowed), 0.5 * difference(by_rays, bare));
-
-  // Back to maps: those of before.
-  ASSERT_TRUE(renderer->set_visibility(Visibility::tile));
-  EXPECT_EQ(difference(shadowed, *renderer->picture()), 0);
-  EXPECT_EQ(renderer->shadow_maps_made(), 1);
-
-  // Moved.
-  Scene moved = pillars;
-  moved.luminaires[0].pose(1, 3) += 150;
-  ASSERT_TRUE(renderer->set_placements(moved.luminaires));
-  const Picture after = *renderer->picture();
-  EXPECT_EQ(renderer->shadow_maps_made(), 2);
-  EXPECT_GT(difference(shadowed, after), 0.01);
-  EXPECT_LT(difference(fresh(moved, field), after), 1e-12);
-}
-
-TEST_F(RendererTest, PublishedShadowsStayWhereTheFirstCellsPutThemUntilRefreshed) {
-  Scene pillars = read_scene(LUMIFIELD_SOURCE_DIR "/resources/scenes/pillars/scene.json").value();
-  const LightField field = light_field_of(geometry_of({"Y"}));
-  LightField other = light_field_of(geometry_of({"Y"}));
-  auto renderer = renderer_of(pillars, field.geometry());
-  ASSERT_TRUE(renderer->set_visibility(Visibility::published));
-  ASSERT_TRUE(renderer->add_all(field));
-  (void)*renderer->picture();
-  EXPECT_EQ(renderer->shadow_maps_made(), 1);
-  // A cell that is taken again, its light elsewhere.
-  ASSERT_TRUE(renderer->add_cell({1, 2}, image_of(field.geometry(), 77)));
-  (void)*renderer->picture();
-  EXPECT_EQ(renderer->shadow_maps_made(), 1);
-  renderer->refresh_shadows();
-  const Picture refreshed = *renderer->picture();
-  EXPECT_EQ(renderer->shadow_maps_made(), 2);
-  ASSERT_TRUE(other.add({1, 2}, image_of(field.geometry(), 77)));
-  auto anew = renderer_of(pillars, field.geometry());
-  ASSERT_TRUE(anew->set_visibility(Visibility::published));
-  ASSERT_TRUE(anew->add_all(other));
-  EXPECT_LT(difference(*anew->picture(), refreshed), 1e-12);
-}
-
-/// Each cell but the first and the last, which are dark, gives tiles their first position.
-TEST_F(RendererTest, UnderPublishedShadowsACellThatComesCostsOne) {
-  const Scene pillars = read_scene(LUMIFIELD_SOURCE_DIR "/resources/scenes/pillars/scene.json").value();
-  const LuminaireGeometry geometry = geometry_of({"Y"});
-  const auto dark = std::make_shared<const CellImage>(
-      CellImage{40, 30, 1, std::vector<float>(geometry.measurement.pixels(), 0.0F), {}, {}});
-  for (const double lod : {0.0, 1.0}) {
-    auto renderer = renderer_of(pillars, geometry);
-    ASSERT_TRUE(renderer->set_visibility(Visibility::published));
-    ASSERT_TRUE(renderer->set_view(pillars.camera, width, height, lod));
-    for (int k = 0; k < 6; ++k) {
-      const CellIndex cell = geometry.sampling.index(k);
-      const int made = renderer->shadow_maps_made();
-      const bool gives = k != 0 && k != 5;
-      ASSERT_TRUE(renderer->add_cell(cell, gives ? image_of(geometry, 60U + static_cast<unsigned>(k)) : dark));
-      EXPECT_EQ(renderer->shadow_maps_made(), made + (gives || k == 0)) << k;
-      if (lod > 0 && gives) {
-        EXPECT_EQ(renderer->waiting(), k + 1) << "coarse maps are shared by tiles, so all cells wait, it with them";
-        ASSERT_TRUE(renderer->picture());
-      }
-      EXPECT_EQ(renderer->waiting(), 0) << k;
-      EXPECT_EQ(renderer->summed(), k + 1);
-    }
-    // One that is taken again, and one that waits: the picture of the others stands.
-    ASSERT_TRUE(renderer->add_cell({0, 1}, image_of(geometry, 99)));
-    EXPECT_EQ(renderer->waiting(), 0);
-    const Picture before = *renderer->picture();
-    ASSERT_TRUE(renderer->keep_cell({1, 2}, image_of(geometry, 98)));
-    const Picture so_far = *renderer->picture_so_far();
-    if (lod == 0) {
-      EXPECT_LT(difference(before, so_far), 1e-12);
-    }
-
-    // As if all had come at once, with the positions that there are.
-    const Picture come = *renderer->picture();
-    EXPECT_GT(difference(before, come), 1e-3);
-    ASSERT_TRUE(renderer->set_view(pillars.camera, width, height, lod));
-    EXPECT_EQ(renderer->waiting(), 6);
-    EXPECT_LT(difference(*renderer->picture(), come), 1e-6) << lod;
   }
 }
 

@@ -51,6 +51,17 @@ TEST(Shading, LobesLookFromTheirReceiversToTheEye) {
   }
 }
 
+TEST(Shading, TheGBuffersReflectanceStandsBeforeTheMaterials) {
+  GBuffer g = three_pixels();
+  const std::vector<Material> materials = {{.name = "a", .diffuse = {0.5F, 0.25F, 0}},
+                                           {.name = "b", .diffuse = {1, 0.75F, 1}}};
+  EXPECT_EQ(diffuse_at(g, materials, 1)[1], 0.25F);
+  EXPECT_EQ(diffuse_at(g, materials, 2)[1], 0.75F);
+  g.reflectance = {0, 0, 0, 0, 0.1F, 0.2F, 0.3F, 0, 0.4F, 0.6F, 0.8F, 0};
+  EXPECT_EQ(diffuse_at(g, materials, 1)[1], 0.2F);
+  EXPECT_EQ(diffuse_at(g, materials, 2)[1], 0.6F);
+}
+
 TEST(Shading, AddsGlossOfOneOrThreeChannelsToTheDiffuse) {
   GBuffer g = three_pixels();
   const std::vector<Material> materials = {{.name = "a", .diffuse = {0.5F, 0.25F, 0}},

@@ -10,6 +10,7 @@
 #include "renderer/scene/mesh.h"
 #include "renderer/study/hall.h"
 #include "renderer/study/spot_error_figures.h"
+#include "tests/support/study_fixture.h"
 
 namespace lumifield {
 namespace {
@@ -61,6 +62,13 @@ TEST(SpotSpeedFigures, HaveThePapersNumbersBesideThemAndStop) {
   const auto stopped = spot_speed_figures(true, [](double, const std::string&) { return false; });
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().kind, ErrorKind::stopped);
+}
+
+TEST(SpotSpeedFigures, SayWhereTheirHallsCannotBe) {
+  const WithoutTemporaryFolder none;
+  const auto rows = spot_speed_figures(true, [](double, const std::string&) { return true; });
+  ASSERT_FALSE(rows);
+  EXPECT_NE(rows.error().message().find("TMPDIR"), std::string::npos) << rows.error().message();
 }
 
 }  // namespace

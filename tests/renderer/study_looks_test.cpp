@@ -61,6 +61,37 @@ TEST(EqualTime, IsReadFromTheLadders) {
   EXPECT_TRUE(equal_time_rows(points, "car1").empty());
 }
 
+TEST(ErrorAtTime, IsReadBetweenPointsInTheirOrderInTime) {
+  // Error falls as 1/√time; the point of the least K was held up and took as long as the next but one.
+  const std::vector<StudyPoint> ladder{point(Method::position_dependent, 400, 0.9),
+                                       point(Method::position_dependent, 100, 0.1),
+                                       point(Method::position_dependent, 400, 0.05)};
+  const auto between = error_at(ladder, 200);
+  EXPECT_NEAR(between.rel_rmse, 0.1 / std::sqrt(2), 1e-12);
+  EXPECT_STREQ(between.beyond, "");
+  EXPECT_NEAR(error_at(ladder, 100).rel_rmse, 0.1, 1e-12);
+  EXPECT_STREQ(error_at(ladder, 100).beyond, "");
+  EXPECT_STREQ(error_at(ladder, 400).beyond, "");
+  EXPECT_NEAR(error_at(ladder, 25).rel_rmse, 0.2, 1e-12);
+  EXPECT_STREQ(error_at(ladder, 25).beyond, " (beyond the ladder's start, by its first slope)");
+  EXPECT_NEAR(error_at(ladder, 1600).rel_rmse, 0.025, 1e-12);
+  EXPECT_STREQ(error_at(ladder, 1600).beyond, " (beyond the ladder, by its last slope)");
+  EXPECT_TRUE(std::isnan(error_at({ladder[0], ladder[2]}, 400).rel_rmse)) << "one time has no slope";
+}
+
+TEST(ErrorAtTime, ALadderGoesOnUntilItHoldsTheTimeOrItsCostEnds) {
+  std::vector<StudyPoint> ladder;
+  for (const double cost : {10.0, 40.0}) {
+    ladder.push_back(point(Method::position_dependent, 2 * cost, 0.1));
+    ladder.back().cost = cost;
+  }
+  EXPECT_EQ(next_cost(ladder, 50, 1, 640), std::nullopt);
+  EXPECT_EQ(next_cost(ladder, 81, 1, 640), 160);
+  EXPECT_EQ(next_cost(ladder, 81, 1, 159), std::nullopt);
+  EXPECT_EQ(next_cost(ladder, 19, 1, 640), 2.5);
+  EXPECT_EQ(next_cost(ladder, 19, 2.6, 640), std::nullopt);
+}
+
 TEST(StudyLook, HasAName) {
   EXPECT_EQ(StudyLook{}.name(), "");
   EXPECT_EQ((StudyLook{.visibility = Visibility::tile}).name(), "in shadow");

@@ -16,6 +16,21 @@ namespace lumifield {
 
 namespace fs = std::filesystem;
 
+/// As where there is no place for temporary files.
+class WithoutTemporaryFolder {
+ public:
+  WithoutTemporaryFolder() {
+    if (const char* before = std::getenv("TMPDIR")) before_ = before;
+    setenv("TMPDIR", "/proc/no-such-folder", 1);
+  }
+  ~WithoutTemporaryFolder() { before_ ? setenv("TMPDIR", before_->c_str(), 1) : unsetenv("TMPDIR"); }
+  WithoutTemporaryFolder(const WithoutTemporaryFolder&) = delete;
+  WithoutTemporaryFolder& operator=(const WithoutTemporaryFolder&) = delete;
+
+ private:
+  std::optional<std::string> before_;
+};
+
 /// A folder for references, removed with all in it.
 class CacheFolder : public testing::Test {
  protected:

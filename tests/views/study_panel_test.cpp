@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "app/session/study_file.h"
+#include "app/views/elided_label.h"
 #include "app/views/signal_colours.h"
 #include "app/views/stability_model.h"
 #include "app/views/stability_view.h"
@@ -123,6 +124,19 @@ TEST_F(StudyPanelTest, ShowsChartAndTable) {
   table.setCurrentIndex(table.model()->index(0, 0));
   QTest::keyClick(&table, Qt::Key_Down);
   EXPECT_EQ(table.currentIndex().row(), 1);
+}
+
+TEST_F(StudyPanelTest, SaysWhatAStudyIsWithout) {
+  Study study = test::made_up_study();
+  study.omissions = {{"Table 1", "no room"}, {"bike, mis", "tables do not fit"}};
+  ASSERT_TRUE(write_study(study, folder_));
+  QSignalSpy opened(&panel, &StudyPanel::opened);
+  panel.open(file());
+  ASSERT_TRUE(opened.wait());
+  QString summary;
+  for (const QWidget* each : panel.findChildren<QWidget*>())
+    if (const auto* label = dynamic_cast<const ElidedLabel*>(each)) summary += label->text();
+  EXPECT_TRUE(summary.endsWith("; without Table 1; bike, mis")) << summary.toStdString();
 }
 
 TEST_F(StudyPanelTest, WhatCannotBeReadChangesNothing) {
