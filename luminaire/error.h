@@ -6,8 +6,9 @@
 
 namespace lumifield {
 
-/// What an Error means for the program: something is at fault, or the operator asked to stop.
-enum class ErrorKind { fault, stopped };
+/// What an Error means for the program: something is at fault, the operator asked to stop, or nothing goes on without
+/// the operator's word.
+enum class ErrorKind { fault, stopped, waiting };
 
 /// An expected failure: what went wrong, where, and what the operator can do about it.
 ///

@@ -25,6 +25,16 @@ void ScanControl::wait_while_paused(std::stop_token stop) {
   changed_.wait(lock, std::move(stop), [this] { return !paused_; });
 }
 
+void ScanControl::attend() {
+  std::lock_guard lock(mutex_);
+  attended_ = true;
+}
+
+bool ScanControl::attended() const {
+  std::lock_guard lock(mutex_);
+  return attended_;
+}
+
 void ScanControl::retake(std::span<const CellIndex> cells) {
   std::lock_guard lock(mutex_);
   for (const CellIndex cell : cells)

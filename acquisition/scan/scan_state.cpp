@@ -16,6 +16,8 @@ std::string_view to_string(ScanState state) {
       return "exposing";
     case ScanState::delivering:
       return "delivering";
+    case ScanState::reconnecting:
+      return "reconnecting";
     case ScanState::paused:
       return "paused";
     case ScanState::parking:
@@ -40,15 +42,17 @@ bool can_follow(ScanState from, ScanState to) {
     case homing:
       return to == moving || to == paused;
     case moving:
-      return to == settling || to == parking;
+      return to == settling || to == paused || to == parking;
     case settling:
-      return to == moving || to == exposing || to == parking;
+      return to == moving || to == exposing || to == paused || to == parking;
     case exposing:
-      return to == moving || to == delivering || to == parking;
+      return to == moving || to == delivering || to == reconnecting || to == paused || to == parking;
     case delivering:
       return to == moving || to == paused || to == parking;
+    case reconnecting:
+      return to == moving || to == paused || to == parking;
     case paused:
-      return to == moving || to == parking;
+      return to == homing || to == moving || to == reconnecting || to == paused || to == parking;
     case parking:
       return to == done;
     default:

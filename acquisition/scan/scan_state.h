@@ -11,12 +11,28 @@ namespace lumifield {
 ///     exposing → moving                   next pass of the cell, or a bracket taken again
 ///     idle → done                         nothing to scan
 ///     idle, homing, delivering → paused   between two steps, on the operator's word; → moving or parking after it
+///     exposing → reconnecting → moving    the camera was gone and is back: the step is taken again
+///     any of a step → paused              a trouble that the operator has to help with; → homing, reconnecting or
+///                                         moving after it
 ///     any but the last three → stopped    stop requested: the stage is halted and stays there (failed, when a device
 ///                                         fails meanwhile)
 ///     any but the last three → failed     a device error, or nobody takes the cells: halted; parked before that
 ///                                         (→ parking → failed) when the stage still answers and homing was not what
 ///                                         failed
-enum class ScanState { idle, homing, moving, settling, exposing, delivering, paused, parking, done, stopped, failed };
+enum class ScanState {
+  idle,
+  homing,
+  moving,
+  settling,
+  exposing,
+  delivering,
+  reconnecting,
+  paused,
+  parking,
+  done,
+  stopped,
+  failed
+};
 
 std::string_view to_string(ScanState state);
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "acquisition/scan/scan_rules.h"
+#include "acquisition/scan/stretch.h"
 #include "acquisition/scan/wording.h"
 
 namespace lumifield {
@@ -12,25 +13,6 @@ namespace lumifield {
 namespace {
 
 constexpr int attempts = 2;
-
-tl::unexpected<Error> stopped() {
-  return tl::unexpected<Error>(
-      {"stopped by the operator", "scan", "run again with --resume to go on", ErrorKind::stopped});
-}
-
-/// Adds the time until its end to one part of the timing.
-class Stretch {
- public:
-  Stretch(BenchClock& clock, double& part_s) : clock_(clock), part_s_(part_s), begin_s_(clock.now_s()) {}
-  ~Stretch() { part_s_ += clock_.now_s() - begin_s_; }
-  Stretch(const Stretch&) = delete;
-  Stretch& operator=(const Stretch&) = delete;
-
- private:
-  BenchClock& clock_;
-  double& part_s_;
-  double begin_s_;
-};
 
 }  // namespace
 
@@ -53,7 +35,7 @@ Status Scanner::run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop,
   warm_up_left_s_ = plan_.warm_up_s;
   progress_.cells_done = progress_.cells_before = steps.cells_before;
   progress_.cells_total = steps.cells_before + steps.cells;
-  const StageSpeed reported{stage_.info().rapid_mm_s, stage_.info().acceleration_mm_s2};
+  const StageSpeed reported{stage().info().rapid_mm_s, stage().info().acceleration_mm_s2};
   time_left_ = TimeLeft(step_times_s(steps.steps, bench_, plan_, stage_speed(bench_.stage, reported)));
   return end(scan(steps));
 }
@@ -61,11 +43,12 @@ Status Scanner::run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop,
 Status Scanner::scan(const ScanPlan& steps) {
   if (steps.steps.empty()) return {};
   if (bench_.stage.home)
-    if (Status status = home(); !status) return status;
+    if (Status status = persist([this] { return home(); }); !status) return status;
   first_step_s_ = clock_.now_s();
   for (const ScanStep& step : steps.steps) {
     if (Status status = between_steps(); !status) return status;
-    if (Status status = std::visit([this](const auto& s) { return take(s); }, step); !status) return status;
+    const auto taken = [&] { return std::visit([this](const auto& s) { return take(s); }, step); };
+    if (Status status = persist(taken); !status) return status;
     time_left_.step_done(clock_.now_s() - first_step_s_);
   }
   if (Status status = between_steps(); !status) return status;
@@ -96,21 +79,19 @@ Status Scanner::pause() {
     control_->wait_while_paused(end_.get_token());
     first_step_s_ += clock_.now_s() - before_s;
   }
-  if (end_.stop_requested()) return stopped();
-  if (!reference_read_) return {};
-  return take(ReferenceStep{stage_target_mm(bench_, sampling_of(bench_, plan_).cell_center_mm(plan_.reference.cell)) +
-                                bench_.filter.passes.front().offset_mm,
-                            progress_.cells_done - progress_.cells_before});
+  if (end_.stop_requested()) return scan_stopped();
+  reference_due_ = reference_read_;
+  return persist([] { return Status{}; });
 }
 
 Status Scanner::retake(CellIndex cell) {
   if (!sampling_of(bench_, plan_).contains(cell)) return {};
   const CellStep step = make_cell_step(bench_, plan_, cell, stands_mm_);
-  const StageSpeed reported{stage_.info().rapid_mm_s, stage_.info().acceleration_mm_s2};
+  const StageSpeed reported{stage().info().rapid_mm_s, stage().info().acceleration_mm_s2};
   time_left_.insert_step(step_times_s({step}, bench_, plan_, stage_speed(bench_.stage, reported)).front() -
                          plan_.warm_up_s);
   const int cells_done = progress_.cells_done;
-  if (Status status = take(step); !status) return status;
+  if (Status status = persist([&] { return take(step); }); !status) return status;
   progress_.cells_done = cells_done;
   time_left_.step_done(clock_.now_s() - first_step_s_);
   return {};
@@ -137,11 +118,12 @@ Status Scanner::take(const ReferenceStep& step) {
   if (!lit) return tl::unexpected(std::move(lit).error());
   Result<ReferenceReading> reading =
       drift_.read(lit->bracket, dark_->bracket, bench_.sensor.saturation_dn, step.cells_done);
-  if (!reading) return fail_in(place, std::move(reading).error());
+  if (!reading) return blame(Culprit::lamp, place, std::move(reading).error());
   reference_read_ = true;
+  reference_due_ = false;
   enter(ScanState::delivering);
   sink_->reference(*reading);
-  return {};
+  return check_drift(*reading, place);
 }
 
 Status Scanner::take(const CellStep& step) {
@@ -175,16 +157,18 @@ Result<Scanner::Standing> Scanner::bracket_at(const Vec2& target_mm, const std::
     if (!before) return tl::unexpected(before.error());
     Result<Bracket> bracket = expose_bracket(*before, place);
     if (!bracket) return tl::unexpected(std::move(bracket).error());
-    const Result<Vec2> after = stage_.position();
-    if (!after) return fail_in(place, after.error());
+    const Result<Vec2> after = stage().position();
+    if (!after) return blame(Culprit::stage, place, after.error());
     moved_mm = (*after - *before).norm();
     if (moved_mm > bench_.tolerance_mm) continue;
     sink_->seen(*bracket, place, *before);
     return Standing{std::move(*bracket), *before, (*before - target_mm).norm()};
   }
-  return fail("the stage moved by " + say(moved_mm) + " mm during the exposures, twice; " + say(bench_.tolerance_mm) +
-                  " mm are allowed",
-              place, "check that its motors hold and that nothing pulls at it, then resume");
+  return blame(Culprit::stage, place,
+               {"the stage moved by " + say(moved_mm) + " mm during the exposures, twice; " + say(bench_.tolerance_mm) +
+                    " mm are allowed",
+                {},
+                "check that its motors hold and that nothing pulls at it, then resume"});
 }
 
 Result<Vec2> Scanner::stand_at(const Vec2& target_mm, const std::string& place) {
@@ -192,27 +176,28 @@ Result<Vec2> Scanner::stand_at(const Vec2& target_mm, const std::string& place) 
   for (int attempt = 0; attempt < attempts; ++attempt) {
     // Move and let the vibration die away.
     enter(ScanState::moving);
-    if (end_.stop_requested()) return stopped();
+    if (end_.stop_requested()) return scan_stopped();
     {
       Stretch moving(clock_, timing_.move_s);
-      if (Status status = stage_.move_to(target_mm, end_.get_token()); !status)
-        return fail_in(place, std::move(status).error());
+      if (Status status = stage().move_to(target_mm, end_.get_token()); !status)
+        return blame(Culprit::stage, place, std::move(status).error());
     }
     enter(ScanState::settling);
     if (Status status = wait(plan_.settle_s + std::exchange(warm_up_left_s_, 0.0)); !status)
       return tl::unexpected(std::move(status).error());
 
     // Trust only the position read back.
-    const Result<Vec2> position = stage_.position();
-    if (!position) return fail_in(place, position.error());
+    const Result<Vec2> position = stage().position();
+    if (!position) return blame(Culprit::stage, place, position.error());
     stands_mm_ = reading = *position;
     if ((reading - target_mm).norm() <= bench_.tolerance_mm) return reading;
   }
-  return fail("the stage stands at " + say(reading) + " mm instead of " + say(target_mm) + " mm, " +
-                  say((reading - target_mm).norm()) + " mm off after two moves; " + say(bench_.tolerance_mm) +
-                  " mm are allowed",
-              place,
-              "check for a blocked axis, lost steps or a tolerance below the stage's resolution, home it, resume");
+  return blame(Culprit::stage, place,
+               {"the stage stands at " + say(reading) + " mm instead of " + say(target_mm) + " mm, " +
+                    say((reading - target_mm).norm()) + " mm off after two moves; " + say(bench_.tolerance_mm) +
+                    " mm are allowed",
+                {},
+                "check for a blocked axis, lost steps or a tolerance below the stage's resolution, then resume"});
 }
 
 Result<Bracket> Scanner::expose_bracket(const Vec2& stage_mm, const std::string& place) {
@@ -220,9 +205,9 @@ Result<Bracket> Scanner::expose_bracket(const Vec2& stage_mm, const std::string&
   Bracket bracket;
   bracket.reserve(plan_.exposures_s.size());
   for (double exposure_s : plan_.exposures_s) {
-    if (end_.stop_requested()) return stopped();
+    if (end_.stop_requested()) return scan_stopped();
     Result<RawImage> frame = expose_frame(exposure_s);
-    if (!frame) return fail_in(place, std::move(frame).error());
+    if (!frame) return blame(Culprit::camera, place, std::move(frame).error());
     frame->stage_mm = stage_mm;
     bracket.push_back(std::move(*frame));
   }
@@ -231,7 +216,7 @@ Result<Bracket> Scanner::expose_bracket(const Vec2& stage_mm, const std::string&
 
 Result<RawImage> Scanner::expose_frame(double exposure_s) {
   const double begin_s = clock_.now_s();
-  Result<RawImage> frame = camera_.expose(exposure_s);
+  Result<RawImage> frame = camera().expose(exposure_s);
   if (!frame) return frame;
   const double spent_s = clock_.now_s() - begin_s;
   const double exposed_s = std::min(frame->exposure_s, spent_s);
@@ -242,24 +227,25 @@ Result<RawImage> Scanner::expose_frame(double exposure_s) {
 
 Status Scanner::home() {
   enter(ScanState::homing);
-  if (end_.stop_requested()) return stopped();
+  if (end_.stop_requested()) return scan_stopped();
   Stretch moving(clock_, timing_.move_s);
-  if (Status status = stage_.home(end_.get_token()); !status) return fail_in("homing", std::move(status).error());
+  if (Status status = stage().home(end_.get_token()); !status)
+    return blame(Culprit::stage, "homing", std::move(status).error());
   return {};
 }
 
 Status Scanner::park() {
   enter(ScanState::parking);
   Stretch moving(clock_, timing_.move_s);
-  if (Status status = stage_.move_to(dark_target_mm(bench_), stop_); !status)
+  if (Status status = stage().move_to(dark_target_mm(bench_), stop_); !status)
     return fail_in("parking", std::move(status).error());
   return {};
 }
 
 Status Scanner::end(Status status) {
-  if (!status) stage_.halt();
+  if (!status) stage().halt();
   if (!status && status.error().kind == ErrorKind::stopped && stop_.stop_requested()) {
-    status = stopped();
+    status = scan_stopped();
     enter(ScanState::stopped);
   } else if (!status) {
     if (status.error().kind == ErrorKind::stopped) status = fail("ended, as nobody takes its cells any more", "scan");
@@ -267,7 +253,7 @@ Status Scanner::end(Status status) {
     // a stop it stays where it is.
     if (stop_.stop_requested())
       status.error().remedy += " (the stage is not parked: the operator stopped the scan)";
-    else if (state_ != ScanState::homing && state_ != ScanState::parking && stage_.position())
+    else if (state_ != ScanState::homing && state_ != ScanState::parking && stage().position())
       if (const Status parked = park(); !parked)
         status.error().remedy += " (the stage could not be parked: " + parked.error().message() + ")";
     enter(ScanState::failed);
@@ -276,7 +262,7 @@ Status Scanner::end(Status status) {
   }
   timing_.total_s = clock_.now_s() - begin_s_;
   timing_.other_s = timing_.total_s - timing_.move_s - timing_.settle_s - timing_.exposure_s - timing_.readout_s -
-                    timing_.waiting_s - timing_.paused_s;
+                    timing_.waiting_s - timing_.paused_s - timing_.lost_s;
   return status;
 }
 
@@ -292,7 +278,7 @@ void Scanner::enter(ScanState state) {
 
 Status Scanner::wait(double seconds) {
   Stretch settling(clock_, timing_.settle_s);
-  if (!clock_.wait(seconds, end_.get_token())) return stopped();
+  if (!clock_.wait(seconds, end_.get_token())) return scan_stopped();
   return {};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -7,6 +8,7 @@
 
 #include "acquisition/camera.h"
 #include "acquisition/scan/bench_clock.h"
+#include "acquisition/scan/device_recovery.h"
 #include "acquisition/scan/motion_time.h"
 #include "acquisition/scan/reference_drift.h"
 #include "acquisition/scan/scan_control.h"
@@ -23,6 +25,8 @@ struct ScanProgress {
   std::optional<CellIndex> cell;        ///< the one being worked on; none at dark sets and at the reference
   std::string place;                    ///< "cell (2, 3)", "dark set 1", "reference cell (3, 4)"
   double elapsed_s = 0, left_s = 0;
+  std::string
+      trouble;  ///< in a pause: why the scan cannot go on by itself, and what to do; empty when it was asked for
 };
 
 /// Where the scan's time went. Everything but move, settle, exposure and readout is idle time of the bench.
@@ -33,10 +37,11 @@ struct ScanTiming {
   double readout_s = 0;   ///< the rest of each frame, up to bench.camera.readout_s
   double waiting_s = 0;   ///< in ScanSink::cell
   double other_s = 0;     ///< slower read-outs, frames taken again inside the camera, positions read back, progress
-  double paused_s = 0;    ///< on the operator's word: not idle
+  double paused_s = 0;    ///< until the operator's word: not idle
+  double lost_s = 0;      ///< until a camera that was gone was back: not idle
   double total_s = 0;
   double idle_share() const {
-    return total_s > 0 ? 1 - (move_s + settle_s + exposure_s + readout_s + paused_s) / total_s : 0;
+    return total_s > 0 ? 1 - (move_s + settle_s + exposure_s + readout_s + paused_s + lost_s) / total_s : 0;
   }
 };
 
@@ -48,6 +53,7 @@ class ScanSink {
   virtual void cell(RawCell raw) = 0;
   virtual void reference(const ReferenceReading& reading) = 0;
   virtual void progress(const ScanProgress& progress) = 0;  ///< at every change of state
+  virtual void notice(const std::string& text) = 0;         ///< what went wrong and was helped, for the operator
   /// Every complete bracket, for whoever watches: where it was taken, and the stage's reading.
   virtual void seen(const Bracket& bracket, const std::string& place, const Vec2& stage_mm);
 };
@@ -59,8 +65,15 @@ class ScanSink {
 /// more than the tolerance is discarded and taken once more. The reference cell comes first, every N cells and last,
 /// its drift is recorded and handed on; a dark set opens every block of cells, the first one after the warm-up. A cell
 /// is handed on as soon as its last pass is exposed, and the stage moves on at once. At the end and after a device
-/// error the stage is parked behind the opaque patch; at a stop it is halted and stays. Thread-bound to the bench
-/// thread; camera, stage, bench, plan and clock outlive it.
+/// error the stage is parked behind the opaque patch; at a stop it is halted and stays.
+///
+/// Troubles. A camera that fails is opened again until it is back, and the step begun anew (recover_with). One that
+/// stays away, a stage that fails, stands wrong or does not hold, and a lamp that drifted beyond the plan's limit pause
+/// the scan with the stage halted, if somebody attends (ScanControl): on their word the stage is opened and homed
+/// again, the reference cell read, and the step begun anew. If nobody does, the scan ends with the error, and parks; of
+/// drift its `kind` is waiting. Drift that the operator has seen is what further drift is measured from.
+///
+/// Thread-bound to the bench thread; camera, stage, bench, plan and clock outlive it.
 class Scanner {
  public:
   Scanner(Camera& camera, Stage& stage, const Bench& bench, const Plan& plan, BenchClock& clock = steady_bench_clock());
@@ -72,6 +85,13 @@ class Scanner {
   /// read before anything else. Before `run`; `control` outlives the scanner.
   void obey(ScanControl& control) { control_ = &control; }
 
+  /// Lets the scanner open devices again; it then uses the recovery's, at first those that it was made with. Before
+  /// `run`; `recovery` outlives the scanner.
+  void recover_with(DeviceRecovery& recovery) { recovery_ = &recovery; }
+
+  /// The operator knows of the drift that is read first, whatever it is. Before `run`.
+  void accept_drift() { drift_seen_.reset(); }
+
   /// Runs all steps. Legal once, in state idle; refused in any other state. `stop` is the operator's; `abandon` tells
   /// that nobody takes the cells any more: the scan ends as after a device error, parked.
   /// Errors: that of the device, with the cell and pass in front of its place; a stage that does not reach or does not
@@ -81,6 +101,8 @@ class Scanner {
 
   ScanState state() const { return state_; }
   const ScanTiming& timing() const { return timing_; }
+  /// Times that the camera was gone and came back.
+  int cameras_lost() const { return cameras_lost_; }
 
  private:
   /// A bracket taken while the stage stood still within the tolerance.
@@ -90,7 +112,20 @@ class Scanner {
     double position_error_mm;
   };
 
+  enum class Culprit { none, camera, stage, lamp };
+
+  Camera& camera() { return recovery_ ? recovery_->camera() : camera_; }
+  Stage& stage() { return recovery_ ? recovery_->stage() : stage_; }
+  tl::unexpected<Error> blame(Culprit culprit, std::string_view place, Error error);
+
   Status scan(const ScanPlan& steps);
+  Status persist(const std::function<Status()>& action);
+  Status help(Error error, int& reconnections);
+  Status reconnect(const Error& error);
+  Status hold(Error error, Culprit culprit);
+  Status bring_back(Culprit culprit, const Error& error);
+  Status read_reference();
+  Status check_drift(const ReferenceReading& reading, const std::string& place);
   Status take(const DarkStep& step);
   Status take(const ReferenceStep& step);
   Status take(const CellStep& step);
@@ -127,7 +162,12 @@ class Scanner {
   bool reference_read_ = false;
   ReferenceDrift drift_;
   ScanControl* control_ = nullptr;
-  Vec2 stands_mm_{0, 0};  ///< read back last
+  DeviceRecovery* recovery_ = nullptr;
+  Culprit culprit_ = Culprit::none;  ///< of the error on its way
+  bool reference_due_ = false;       ///< before the next step
+  int cameras_lost_ = 0;
+  std::optional<double> drift_seen_ = 0;  ///< by the operator; absent, the one read next
+  Vec2 stands_mm_{0, 0};                  ///< read back last
 };
 
 }  // namespace lumifield

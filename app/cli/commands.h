@@ -22,7 +22,7 @@ struct ScanOptions {
   std::string bench, plan, out, preview, pictures;
   std::string size = "1024x768";
   double exposure = default_exposure;
-  bool resume = false, json = false;
+  bool resume = false, accept_drift = false, json = false;
 };
 int run_scan(const ScanOptions& options);
 

@@ -67,6 +67,7 @@ Result<ScanRequest> make_request(const ScanOptions& options) {
   request.out = options.out;
   if (!request.out.has_filename()) request.out = request.out.parent_path();
   request.resume = options.resume;
+  request.accept_drift = options.accept_drift;
   std::tie(request.preview_width_px, request.preview_height_px) = *size;
   if (!options.preview.empty()) {
     auto scene = read_scene(options.preview);
@@ -124,7 +125,7 @@ int run_scan(const ScanOptions& options) {
   if (!summary) {
     line.end();
     report_error(summary.error(), options.json);
-    return summary.error().kind == ErrorKind::stopped ? exit_stopped : exit_failed;
+    return summary.error().kind == ErrorKind::fault ? exit_failed : exit_stopped;
   }
   line.done(*summary);
   std::fputs((options.json ? summary_json(*summary) + "\n" : summary_text(*summary)).c_str(), stdout);

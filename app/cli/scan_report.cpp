@@ -90,6 +90,7 @@ std::string summary_text(const ScanSummary& s) {
   text += format("  reference %zu readings, largest drift %+.3f %%\n", s.references.size(), 100 * largest_drift(s));
   text +=
       format("  quality   %d cells with warnings, %d frames taken again\n", s.cells_with_warnings, s.frames_retaken);
+  if (s.cameras_lost > 0) text += format("  camera    was gone %d times, %.1f s in all\n", s.cameras_lost, t.lost_s);
   text += "            (SNR is the median over lit pixels: above 1 % of the reference cell's mean)\n";
   return text;
 }
@@ -105,7 +106,7 @@ std::string summary_json(const ScanSummary& s) {
   json["stage"] = s.stage;
   json["timing_s"] = {{"total", t.total_s},       {"move", t.move_s},       {"settle", t.settle_s},
                       {"exposure", t.exposure_s}, {"readout", t.readout_s}, {"waiting", t.waiting_s},
-                      {"other", t.other_s}};
+                      {"other", t.other_s},       {"lost", t.lost_s}};
   json["idle_share"] = t.idle_share();
   json["median_s"] = {{"develop", median(s.times.develop_s)},
                       {"store", median(s.times.store_s)},
@@ -113,6 +114,7 @@ std::string summary_json(const ScanSummary& s) {
                       {"kernel", median(s.times.kernel_s)}};
   json["reference_drift"] = largest_drift(s);
   json["frames_retaken"] = s.frames_retaken;
+  json["cameras_lost"] = s.cameras_lost;
   json["cells_with_warnings"] = s.cells_with_warnings;
   json["opengl"] = s.opengl;
   json["opencl"] = s.opencl;

@@ -8,6 +8,7 @@
 #include "acquisition/stage.h"
 #include "app/session/device_names.h"
 #include "app/session/guarded.h"
+#include "app/session/instruments.h"
 
 namespace lumifield {
 
@@ -29,6 +30,7 @@ class QueueSink : public ScanSink {
     pipeline_.tell_reading(reading);
     pipeline_.events.push(reading);
   }
+  void notice(const std::string& text) override { pipeline_.events.push(Notice{text}); }
   void progress(const ScanProgress& progress) override {
     // Said once, and somebody waits for them.
     const bool must_arrive = is_final(progress.state) || progress.state == ScanState::paused;
@@ -46,38 +48,25 @@ class QueueSink : public ScanSink {
   BenchView* view_;
 };
 
-/// Opens a device and shows how that went.
-template <class Open, class Show>
-auto open_shown(Open open, Show show) {
-  show({DeviceView::Link::opening, "", ""});
-  auto device = open();
-  if (device)
-    show({DeviceView::Link::open, name_of((*device)->info()), ""});
-  else
-    show({DeviceView::Link::failed, "", device.error().message()});
-  return device;
-}
-
 Status scan(const ScanRequest& request, const ScanPlan& steps, const std::optional<ReferenceReading>& first,
             Pipeline& pipeline, BenchOutcome& outcome) {
   BenchView unseen;
   BenchView& view = request.bench_view ? *request.bench_view : unseen;
-  auto camera = open_shown([&] { return request.devices.camera(request.bench.camera); },
-                           [&](DeviceView now) { view.set_camera(std::move(now)); });
-  if (!camera) return tl::unexpected(camera.error());
-  auto stage = open_shown([&] { return request.devices.stage(request.bench.stage); },
-                          [&](DeviceView now) { view.set_stage(std::move(now)); });
-  if (!stage) return tl::unexpected(stage.error());
-  outcome.camera = name_of((*camera)->info());
-  outcome.stage = name_of((*stage)->info());
+  Instruments instruments(request.bench, request.devices, view);
+  if (Status opened = instruments.open(); !opened) return opened;
+  outcome.camera = name_of(instruments.camera().info());
+  outcome.stage = name_of(instruments.stage().info());
 
-  Scanner scanner(**camera, **stage, request.bench, request.plan);
+  Scanner scanner(instruments.camera(), instruments.stage(), request.bench, request.plan);
   if (first) scanner.refer_to(*first);
+  if (request.accept_drift) scanner.accept_drift();
   scanner.obey(pipeline.control);
+  scanner.recover_with(instruments);
   QueueSink sink(pipeline, outcome, request.bench_view.get());
   Status status = scanner.run(steps, sink, pipeline.stop_token(), pipeline.abandon_token());
   outcome.timing = scanner.timing();
-  outcome.frames_retaken = (*camera)->frames_retaken();
+  outcome.cameras_lost = scanner.cameras_lost();
+  outcome.frames_retaken = instruments.frames_retaken();
   return status;
 }
 
@@ -183,10 +172,6 @@ std::optional<ReferenceReading> Pipeline::first_reading() const {
 void run_bench(const ScanRequest& request, const ScanPlan& steps, const std::optional<ReferenceReading>& first,
                Pipeline& pipeline, BenchOutcome& outcome) {
   Status status = guarded("bench", [&] { return scan(request, steps, first, pipeline, outcome); });
-  if (request.bench_view) {
-    request.bench_view->set_camera({});
-    request.bench_view->set_stage({});
-  }
   if (!status) pipeline.fail(std::move(status).error());
   pipeline.raw.close();
 }

@@ -62,7 +62,7 @@ struct BenchOutcome {
   ScanTiming timing;
   std::vector<ReferenceReading> references;
   std::string camera, stage;
-  int frames_retaken = 0;
+  int frames_retaken = 0, cameras_lost = 0;
 };
 
 /// Opens camera and stage, runs the scan, and lets go of them. `first` is the reading that the drift refers to; absent,

@@ -17,8 +17,9 @@ void add_end(Json& json, const ScanSummary& summary) {
   const ScanTiming& t = summary.timing;
   json["timing_s"] = {{"total", t.total_s},       {"move", t.move_s},       {"settle", t.settle_s},
                       {"exposure", t.exposure_s}, {"readout", t.readout_s}, {"waiting", t.waiting_s},
-                      {"other", t.other_s},       {"paused", t.paused_s}};
+                      {"other", t.other_s},       {"paused", t.paused_s},   {"lost", t.lost_s}};
   json["frames_retaken"] = summary.frames_retaken;
+  json["cameras_lost"] = summary.cameras_lost;
 }
 
 Json json_of(const std::vector<ReferenceReading>& readings) {

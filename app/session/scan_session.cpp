@@ -191,6 +191,7 @@ void ScanSession::Impl::run() {
 
 /// Everything that may refuse; what it leaves behind is undone by `discard_dataset`.
 Status ScanSession::Impl::begin() {
+  if (request.attended) pipeline.control.attend();
   if (request.preview)
     if (Status fits = check_preview_memory(developer.geometry(), host_memory_bytes()); !fits) return fits;
   if (Status opened = open_dataset(); !opened) return opened;
@@ -273,6 +274,7 @@ Result<ScanSummary> ScanSession::Impl::finish() {
   summary.camera = bench.camera;
   summary.stage = bench.stage;
   summary.frames_retaken = bench.frames_retaken;
+  summary.cameras_lost = bench.cameras_lost;
 
   const Status closed = close_dataset();
   if (std::optional<Error> error = pipeline.error()) {

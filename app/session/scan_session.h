@@ -28,6 +28,8 @@ struct ScanRequest {
   std::filesystem::path out;  ///< NAME.lumi
   bool resume = false;
   std::vector<CellIndex> retake;  ///< with `resume`: cells to take again beside those that are missing
+  bool attended = false;          ///< somebody answers: a trouble pauses the scan in place of ending it
+  bool accept_drift = false;      ///< with `resume`: the drift read first is known, only further drift is a trouble
   std::string name;               ///< of the luminaire; empty = the folder's stem
   std::optional<Scene> preview;
   int preview_width_px = 1024, preview_height_px = 768;
@@ -51,7 +53,7 @@ struct ScanSummary {
   bool nothing_left() const { return cells_before == coverage.total; }
   StageTimes times;
   std::vector<ReferenceReading> references;
-  int frames_retaken = 0;
+  int frames_retaken = 0, cameras_lost = 0;
   int cells_with_warnings = 0;
   std::string camera, stage, opengl, opencl;
 };

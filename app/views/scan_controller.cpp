@@ -55,6 +55,7 @@ void ScanController::start(const ScanRequest& request) {
   ScanRequest mine = request;
   mine.bench_view = bench_view_;
   mine.devices = devices_;
+  mine.attended = true;
   thread_ =
       std::jthread([this, mine = std::move(mine), old = std::shared_ptr<BenchWatch>(std::move(watch_))]() mutable {
         old.reset();  // the devices are free
@@ -97,7 +98,12 @@ void ScanController::run(ScanRequest request) {
 void ScanController::take(const SessionEvent& event) {
   if (const auto* progress = std::get_if<ScanProgress>(&event)) {
     progress_ = *progress;
-    if (progress->state == ScanState::paused && activity_ == ScanActivity::pausing) set_activity(ScanActivity::paused);
+    const bool in_trouble = !progress->trouble.empty() && activity_ == ScanActivity::running;
+    if (progress->state == ScanState::paused && (activity_ == ScanActivity::pausing || in_trouble))
+      set_activity(ScanActivity::paused);
+    if (in_trouble)
+      emit noticed(
+          {OperatorNotice::Level::fault, tr("Paused: %1. Resume takes it again.").arg(text(progress->trouble))});
     emit progressed(*progress);
   } else if (const auto* cell = std::get_if<CellStored>(&event)) {
     emit cellStored(cell->entry, cell->image);

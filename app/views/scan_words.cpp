@@ -31,6 +31,8 @@ QString words(ScanState state, const QString& place) {
       return "Failed";
     case ScanState::idle:
       return "About to begin";
+    case ScanState::reconnecting:
+      return "The camera is gone: opening it again, " + place;
     case ScanState::paused:
       return "Paused";
   }
@@ -52,7 +54,8 @@ QString bench_words(ScanActivity activity, const ScanProgress& progress) {
     case ScanActivity::pausing:
       return "Pausing after this step: " + words(progress.state, place);
     case ScanActivity::paused:
-      return "Paused; the reference cell is read first when the scan goes on";
+      return progress.trouble.empty() ? "Paused; the reference cell is read first when the scan goes on"
+                                      : "Paused: " + QString::fromStdString(progress.trouble);
     case ScanActivity::stopping:
       return "Stopping: storing what is measured";
   }

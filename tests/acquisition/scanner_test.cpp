@@ -15,11 +15,18 @@ using ::testing::HasSubstr;
 
 TEST(ScanStates, FollowTheDrawing) {
   const std::set<std::pair<ScanState, ScanState>> arrows{
-      {idle, homing},        {idle, moving},       {idle, done},       {homing, moving},       {moving, settling},
-      {settling, moving},    {settling, exposing}, {exposing, moving}, {exposing, delivering}, {delivering, moving},
-      {delivering, parking}, {parking, done},      {moving, parking},  {settling, parking},    {exposing, parking}};
-  const std::vector<ScanState> all{idle,       homing,  moving, settling, exposing,
-                                   delivering, parking, done,   stopped,  failed};
+      {idle, homing},         {idle, moving},         {idle, done},
+      {homing, moving},       {moving, settling},     {settling, moving},
+      {settling, exposing},   {exposing, moving},     {exposing, delivering},
+      {delivering, moving},   {delivering, parking},  {parking, done},
+      {moving, parking},      {settling, parking},    {exposing, parking},
+      {idle, paused},         {homing, paused},       {moving, paused},
+      {settling, paused},     {exposing, paused},     {delivering, paused},
+      {paused, paused},       {paused, homing},       {paused, moving},
+      {paused, parking},      {paused, reconnecting}, {exposing, reconnecting},
+      {reconnecting, moving}, {reconnecting, paused}, {reconnecting, parking}};
+  const std::vector<ScanState> all{idle,         homing, moving,  settling, exposing, delivering,
+                                   reconnecting, paused, parking, done,     stopped,  failed};
   for (const ScanState from : all)
     for (const ScanState to : all) {
       const bool ends = !is_final(from) && (to == stopped || to == failed);
@@ -111,6 +118,7 @@ TEST_F(ScannerTest, HandsEveryCellTheDarkSetOfItsBlock) {
 
 TEST_F(ScannerTest, FollowsTheLampsDrift) {
   plan.reference.every = 2;
+  plan.reference.limit = 1;
   sink.on_progress = [&](const ScanProgress& progress) { lamp_dn_per_s = 20'000 * (1 + 0.1 * progress.cells_done); };
   ASSERT_TRUE(run());
   ASSERT_EQ(sink.references.size(), 4U);

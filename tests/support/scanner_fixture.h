@@ -24,6 +24,7 @@ class RecordingSink final : public ScanSink {
     reports.push_back(progress);
     if (on_progress) on_progress(progress);
   }
+  void notice(const std::string& text) override { notices.push_back(text); }
   void seen(const Bracket& bracket, const std::string& place, const Vec2& stage_mm) override {
     EXPECT_EQ(bracket.front().stage_mm, stage_mm);
     places_seen.push_back(place);
@@ -40,7 +41,7 @@ class RecordingSink final : public ScanSink {
   std::vector<RawCell> cells;
   std::vector<ReferenceReading> references;
   std::vector<ScanProgress> reports;
-  std::vector<std::string> places_seen;
+  std::vector<std::string> places_seen, notices;
 };
 
 /// Six cells, two passes, three exposures each; the lamp shines but behind the opaque patch.

@@ -1,0 +1,120 @@
+// What the scanner does when a step fails: scanner.h, "Troubles".
+#include <cmath>
+#include <utility>
+
+#include "acquisition/scan/scan_rules.h"
+#include "acquisition/scan/scanner.h"
+#include "acquisition/scan/stretch.h"
+#include "acquisition/scan/wording.h"
+
+namespace lumifield {
+
+namespace {
+
+/// A camera that was switched off and on is back within this.
+constexpr double patience_s = 60, between_tries_s = 0.2;
+/// Of one step: a camera that fails at once each time is not helped by opening it again.
+constexpr int most_reconnections = 5;
+
+}  // namespace
+
+tl::unexpected<Error> Scanner::blame(Culprit culprit, std::string_view place, Error error) {
+  culprit_ = culprit;
+  return fail_in(place, std::move(error));
+}
+
+/// Does it, again after every trouble that could be helped.
+Status Scanner::persist(const std::function<Status()>& action) {
+  for (int reconnections = 0;;) {
+    Status status = reference_due_ ? read_reference() : Status{};
+    if (status) status = action();
+    if (status) return status;
+    if (Status helped = help(std::move(status).error(), reconnections); !helped) return helped;
+  }
+}
+
+/// The error, when nothing could be done about it.
+Status Scanner::help(Error error, int& reconnections) {
+  const Culprit culprit = std::exchange(culprit_, Culprit::none);
+  if (error.kind == ErrorKind::stopped || end_.stop_requested()) return tl::unexpected(std::move(error));
+  if (culprit == Culprit::camera && recovery_ && ++reconnections <= most_reconnections) {
+    Status back = reconnect(error);
+    if (back || back.error().kind == ErrorKind::stopped) return back;
+    error = std::move(back).error();
+  }
+  if (culprit == Culprit::none || !control_ || !control_->attended()) return tl::unexpected(std::move(error));
+  reconnections = 0;
+  return hold(std::move(error), culprit);
+}
+
+Status Scanner::reconnect(const Error& error) {
+  Stretch lost(clock_, timing_.lost_s);
+  enter(ScanState::reconnecting);
+  const double begin_s = clock_.now_s();
+  for (;;) {
+    const Status opened = recovery_->reopen_camera();
+    const double away_s = clock_.now_s() - begin_s;
+    if (opened) {
+      ++cameras_lost_;
+      first_step_s_ += away_s;
+      sink_->notice(error.where + ": " + error.what + "; it is back after " + say(std::round(10 * away_s) / 10) +
+                    " s and " + progress_.place + " is taken again");
+      return {};
+    }
+    if (away_s >= patience_s)
+      return fail(
+          error.what + ", and it did not come back within " + say(patience_s) + " s (" + opened.error().message() + ")",
+          error.where, error.remedy);
+    if (!clock_.wait(between_tries_s, end_.get_token())) return scan_stopped();
+  }
+}
+
+/// Waits for the operator's word, until the culprit is back too.
+Status Scanner::hold(Error error, Culprit culprit) {
+  stage().halt();
+  for (;;) {
+    {
+      Stretch paused(clock_, timing_.paused_s);
+      const double before_s = clock_.now_s();
+      progress_.trouble = error.message();
+      control_->pause();
+      enter(ScanState::paused);
+      control_->wait_while_paused(end_.get_token());
+      progress_.trouble.clear();
+      first_step_s_ += clock_.now_s() - before_s;
+    }
+    if (end_.stop_requested()) return scan_stopped();
+    reference_due_ = reference_read_;
+    Status back = bring_back(culprit, error);
+    if (back || back.error().kind == ErrorKind::stopped) return back;
+    error = std::move(back).error();
+  }
+}
+
+Status Scanner::bring_back(Culprit culprit, const Error& error) {
+  if (culprit == Culprit::lamp) drift_seen_ = drift_.drift();
+  if (!recovery_ || culprit == Culprit::lamp) return {};
+  if (culprit == Culprit::camera) return reconnect(error);
+  if (Status opened = recovery_->reopen_stage(); !opened) return opened;
+  return bench_.stage.home ? home() : Status{};
+}
+
+Status Scanner::read_reference() {
+  const Vec2 center_mm = sampling_of(bench_, plan_).cell_center_mm(plan_.reference.cell);
+  return take(ReferenceStep{stage_target_mm(bench_, center_mm) + bench_.filter.passes.front().offset_mm,
+                            progress_.cells_done - progress_.cells_before});
+}
+
+Status Scanner::check_drift(const ReferenceReading& reading, const std::string& place) {
+  if (!drift_seen_) drift_seen_ = reading.drift;
+  const double further = reading.drift - *drift_seen_;
+  if (std::abs(further) <= plan_.reference.limit) return {};
+  return blame(Culprit::lamp, place,
+               {"the light has drifted by " + say(std::round(1e4 * reading.drift) / 100) + " %, the plan allows " +
+                    say(100 * plan_.reference.limit) + " %",
+                {},
+                "check lamp, filter and covers; go on if the drift may stay, which every cell records",
+                ErrorKind::waiting});
+}
+
+}  // namespace lumifield
