@@ -165,6 +165,64 @@ TEST(IrradianceHarmonics, AreOrthonormalAndOfAFirstDegreeExact) {
   for (const Vec3& n : directions(20)) EXPECT_NEAR(IrradianceHarmonics(even).irradiance(n)[1], pi, 1e-3);
 }
 
+/// Each pixel repeated, `times` an axis: the same light.
+LatLong repeated(const LatLong& image, int times) {
+  const LatLong empty(image.width_px() * times, image.height_px() * times, {});
+  std::vector<float> rgb;
+  for (int j = 0; j < empty.height_px(); ++j)
+    for (int i = 0; i < empty.width_px(); ++i)
+      for (const double each : image.pixel(i / times, j / times)) rgb.push_back(static_cast<float>(each));
+  return {empty.width_px(), empty.height_px(), std::move(rgb)};
+}
+
+TEST(IrradianceHarmonics, OfFewPixelsAreThoseOfTheSameLightOnMany) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform;
+  for (const int height : {1, 2, 4}) {
+    std::vector<float> rgb(6 * static_cast<std::size_t>(height * height), 1.0F);
+    for (const Vec3& n : directions(20))
+      EXPECT_NEAR(IrradianceHarmonics(LatLong(2 * height, height, rgb)).irradiance(n)[1], pi, 1e-12) << height;
+    for (float& each : rgb) each = uniform(random);
+    const LatLong few(2 * height, height, rgb), many = repeated(few, 128 / height);
+    const IrradianceHarmonics harmonics(few);
+    for (const Vec3& n : directions(20)) {
+      EXPECT_NEAR(harmonics.irradiance(n)[1], IrradianceHarmonics(many).irradiance(n)[1], 1e-12) << height;
+      // By the definition, Y at the middle of each of many pixels.
+      double wanted = 0;
+      for (std::size_t k = 0; k < 9; ++k)
+        wanted += (k == 0  ? pi
+                   : k < 4 ? 2 * pi / 3
+                           : pi / 4) *
+                  IrradianceHarmonics::basis(n)[k] * over_pixels(many, [&](const auto& light, const Vec3& d) {
+                    return light[1] * IrradianceHarmonics::basis(d)[k];
+                  });
+      EXPECT_NEAR(harmonics.irradiance(n)[1], wanted, 3e-4 * pi) << height;
+    }
+  }
+}
+
+TEST(IrradianceHarmonics, OfASmallSourceAreOffAsStated) {
+  std::vector<float> rgb(3 * 256 * 128, 0.0F);
+  rgb[3 * (70 * 256 + 30) + 1] = 1;
+  const LatLong image(256, 128, rgb);
+  const IrradianceHarmonics harmonics(image);
+  const Vec3 source = image.direction(30.5, 70.5);
+  Vec3 across, along;
+  frame_about(source, across, along);
+  double least = 1, most = -1, lowest = 1;
+  for (int degrees = 0; degrees <= 180; ++degrees) {
+    const double cosine = std::cos(degrees * pi / 180), sine = std::sin(degrees * pi / 180);
+    const double e = harmonics.irradiance(cosine * source + sine * across)[1] / image.solid_angle(70);
+    EXPECT_NEAR(e, 0.25 + cosine / 2 + 5.0 / 32 * (3 * cosine * cosine - 1), 1e-3) << degrees;
+    least = std::min(least, e - std::max(0.0, cosine));
+    most = std::max(most, e - std::max(0.0, cosine));
+    lowest = std::min(lowest, e);
+  }
+  EXPECT_NEAR(least, -0.04, 0.001);
+  EXPECT_NEAR(most, 0.094, 0.001);
+  EXPECT_NEAR(lowest, -0.04, 0.001);
+}
+
 TEST(IrradianceHarmonics, AreNearTheIrradiance) {
   const LatLong image = made_up();
   const IrradianceHarmonics harmonics(image);
