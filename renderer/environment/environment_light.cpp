@@ -13,24 +13,37 @@ std::vector<LobePoint> points_of(const EnvironmentSettings& settings) {
 }  // namespace
 
 Result<std::unique_ptr<EnvironmentLight>> EnvironmentLight::read(const std::filesystem::path& file, double scale,
-                                                                 const EnvironmentSettings& settings) {
-  Result<LatLong> environment = LatLong::read(file);
+                                                                 const EnvironmentSettings& settings,
+                                                                 const std::stop_token& stop) {
+  const Result<LatLong> environment = LatLong::read(file);
   if (!environment) return tl::unexpected(environment.error());
-  return std::make_unique<EnvironmentLight>(std::move(*environment), scale, settings);
+  std::shared_ptr<const DualParaboloid> map;
+  if (settings.filter) {
+    auto made = DualParaboloid::make(*environment, stop);
+    if (!made) return tl::unexpected(Error{"stopped before its map was made", file.string(), {}, ErrorKind::stopped});
+    map = std::make_shared<const DualParaboloid>(std::move(*made));
+  }
+  return std::unique_ptr<EnvironmentLight>(new EnvironmentLight(*environment, std::move(map), scale, settings));
 }
 
-EnvironmentLight::EnvironmentLight(LatLong environment, double scale, const EnvironmentSettings& settings)
-    : environment_(std::move(environment)),
-      map_(environment_),
-      harmonics_(environment_),
+EnvironmentLight::EnvironmentLight(const LatLong& environment, double scale, const EnvironmentSettings& settings)
+    : EnvironmentLight(environment, settings.filter ? std::make_shared<const DualParaboloid>(environment) : nullptr,
+                       scale, settings) {}
+
+EnvironmentLight::EnvironmentLight(const LatLong& environment, std::shared_ptr<const DualParaboloid> map, double scale,
+                                   const EnvironmentSettings& settings)
+    : environment_(map ? std::nullopt : std::optional(environment)),
+      map_(std::move(map)),
+      harmonics_(environment),
       scale_(scale),
       settings_(settings),
       points_(points_of(settings)) {}
 
-EnvironmentLight EnvironmentLight::with(const EnvironmentSettings& settings) const {
+EnvironmentLight EnvironmentLight::with(int samples, std::uint32_t seed) const {
   EnvironmentLight other = *this;
-  other.settings_ = settings;
-  other.points_ = points_of(settings);
+  other.settings_.samples = samples;
+  other.settings_.seed = seed;
+  other.points_ = points_of(other.settings_);
   return other;
 }
 
@@ -48,13 +61,13 @@ std::array<double, 3> EnvironmentLight::gloss(const GlossLobe& lobe, const Vec3&
   for (const LobePoint& xi : points_) {
     const LobeDraw draw = draws.sample(xi);
     if (!(draw.direction.dot(n) > 0)) continue;
-    if (settings_.filter) {
-      const double level = map_.level(1 / (settings_.samples * draw.pdf), draw.direction.z());
-      const Eigen::Array4f light = map_.radiance(draw.direction, level);
+    if (map_) {
+      const double level = map_->level(1 / (settings_.samples * draw.pdf), draw.direction.z());
+      const Eigen::Array4f light = map_->radiance(draw.direction, level);
       for (std::size_t c = 0; c < 3; ++c)
         sum[c] += each * draw.weight[c] * static_cast<double>(light[static_cast<Eigen::Index>(c)]);
     } else {
-      const auto light = environment_.radiance(draw.direction);
+      const auto light = environment_->radiance(draw.direction);
       for (std::size_t c = 0; c < 3; ++c) sum[c] += each * draw.weight[c] * light[c];
     }
   }

@@ -74,13 +74,13 @@ double rel_rmse(const Picture& picture, const Picture& reference) {
   return std::sqrt(squares / count) / (sum / count);
 }
 
-/// Of filtered pictures by so many seeds: what noise is in one is gone from it, the filter's bias is not.
+/// Of pictures by so many seeds: what noise is in one is gone from it, the filter's bias is not.
 Picture mean_picture(const EnvironmentLight& environment, const std::vector<Vec3>& seen, const GlossLobe& lobe,
                      int samples) {
   std::vector<double> sum(3 * seen.size());
   Picture picture;
   for (std::uint32_t seed = 1; seed <= bias_seeds; ++seed) {
-    const EnvironmentLight light = environment.with({samples, true, seed});
+    const EnvironmentLight light = environment.with(samples, seed);
     picture = picture_of(seen, [&](const Vec3& n) { return light.gloss(lobe, n); });
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += static_cast<double>(picture.rgb[k]);
   }
@@ -92,7 +92,7 @@ Picture mean_picture(const EnvironmentLight& environment, const std::vector<Vec3
 
 Result<std::vector<FigureRow>> environment_figures(const LatLong& environment, const StudyProgress& progress) {
   std::vector<FigureRow> rows;
-  const EnvironmentLight lit(environment, 1);
+  const EnvironmentLight filtered(environment, 1, {.filter = true}), plain(environment, 1, {.filter = false});
   double done = 0;
   const Vec3 eye = Vec3(1, -0.4, 0.35).normalized();
   const std::vector<Vec3> seen = normals(eye);
@@ -108,7 +108,7 @@ Result<std::vector<FigureRow>> environment_figures(const LatLong& environment, c
       for (const int samples : {10, 20, 40, 100, 200}) {
         if (!progress(done, std::string("Fig. 20-8, ") + s.name)) return study_stopped();
         done += 1.0 / 20;
-        const EnvironmentLight light = lit.with({samples, filter});
+        const EnvironmentLight light = (filter ? filtered : plain).with(samples, 1);
         const Radiance gloss = [&](const Vec3& n) { return light.gloss(lobe, n); };
         const Picture picture = picture_of(seen, gloss);
         const std::string what =
@@ -121,7 +121,7 @@ Result<std::vector<FigureRow>> environment_figures(const LatLong& environment, c
         add("Fig. 20-9", "time of a picture, one thread, ms", one_thread_ms(seen, gloss));
         if (filter)
           add("Fig. 20-8", "bias of the filter, relative RMSE",
-              rel_rmse(mean_picture(lit, seen, lobe, samples), reference));
+              rel_rmse(mean_picture(filtered, seen, lobe, samples), reference));
       }
   }
   return rows;

@@ -114,6 +114,49 @@ TEST(DualParaboloid, TexelsSpanWhatTheMappingSays) {
   EXPECT_DOUBLE_EQ(map.level(1e-9, 0.3), DualParaboloid::overlap);
 }
 
+/// Random light without any symmetry.
+LatLong speckled(int height) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform;
+  return painted(height, [&](const Vec3&) { return std::array{uniform(random), uniform(random), uniform(random)}; });
+}
+
+TEST(DualParaboloid, TexelsAreTheMeansOfWhatTheySee) {
+  const LatLong image = speckled(64);
+  const DualParaboloid map(image);
+  constexpr double b = DualParaboloid::b;
+  ASSERT_EQ(map.side_px(), 128);
+  const auto direction = [](double s, double t, int half) {
+    const double x = 2 * b * (s - 0.5), y = 2 * b * (t - 0.5), r2 = x * x + y * y;
+    return Vec3(Vec3(2 * x, 2 * y, half == 0 ? 1 - r2 : r2 - 1) / (1 + r2));
+  };
+  int seen = 0;
+  for (int k = 0; k < 2 * 128 * 128; ++k) {
+    const int column = k % 128, row = k / 128 % 128, half = k / (128 * 128);
+    const Vec3 middle = direction((column + 0.5) / 128, (row + 0.5) / 128, half);
+    if (half == 0 ? middle.z() < 0 : middle.z() >= 0) continue;  // looked up in the other half
+    if (column == row || column + row == 127) continue;          // on the edge of two pixels, either of which will do
+    double sum = 0, all = 0;
+    for (int point = 0; point < 9; ++point) {
+      const Vec3 d = direction((column + (point % 3 + 0.5) / 3) / 128, (row + (point / 3 + 0.5) / 3) / 128, half);
+      const double z = half == 0 ? d.z() : -d.z(), part = (1 + z) * (1 + z);
+      sum += part * image.radiance(d)[1];
+      all += part;
+    }
+    EXPECT_NEAR(map.radiance(middle, 0)[1], sum / all, 2e-5) << column << ' ' << row << ' ' << half;
+    ++seen;
+  }
+  EXPECT_GT(seen, 2 * 128 * 128 / 2);
+}
+
+TEST(DualParaboloid, IsNotMadeOnceToldToStop) {
+  const LatLong image = made_up(16);
+  std::stop_source end;
+  EXPECT_TRUE(DualParaboloid::make(image, end.get_token()));
+  end.request_stop();
+  EXPECT_FALSE(DualParaboloid::make(image, end.get_token()));
+}
+
 TEST(DualParaboloid, ShowsTheEnvironmentAtEveryLevelAndAcrossTheSeam) {
   const auto wanted = [](const Vec3& d) {
     return std::array{2 + d.x() + 0.5 * d.y() - 0.3 * d.z(), 2 - d.y(), 1.5 + 0.7 * d.z()};
@@ -281,6 +324,36 @@ TEST(EnvironmentLight, FewFilteredSamplesAreNearerThanPlainOnes) {
       }
       EXPECT_LT(with, 0.5 * without) << kind << ' ' << samples;
     }
+}
+
+TEST(EnvironmentLight, ByOtherSamplesIsAsIfMadeOfThem) {
+  const LatLong image = made_up(32);
+  const Vec3 n(0, 0, 1);
+  const GlossLobe lobe = lobe_of(LOBE_PHONG, 20, Vec3(0.6, 0, 0.8));
+  for (const bool filter : {true, false}) {
+    const EnvironmentLight few(image, 2, {10, filter, 1}), many(image, 2, {300, filter, 4});
+    EXPECT_NE(few.gloss(lobe, n), many.gloss(lobe, n));
+    EXPECT_EQ(few.with(300, 4).gloss(lobe, n), many.gloss(lobe, n));
+  }
+}
+
+TEST(EnvironmentLight, IsReadWithItsMapUnlessToldToStop) {
+  const auto file = std::filesystem::temp_directory_path() / ("sky-" + std::to_string(getpid()) + ".exr");
+  support::ExrFile exr(8, 4);
+  exr.channels["Y"] = Imf::FLOAT;
+  exr.pixels["Y"].assign(32, 2.0F);
+  exr.write(file);
+  std::stop_source end;
+  const auto light = EnvironmentLight::read(file, 1, {}, end.get_token());
+  ASSERT_TRUE(light) << light.error().message();
+  const Vec3 n(0, 0, 1);
+  EXPECT_NEAR((*light)->gloss(lobe_of(LOBE_PHONG, 20, n), n)[0], 2 * 0.5, 1e-2);
+  end.request_stop();
+  const auto stopped = EnvironmentLight::read(file, 1, {}, end.get_token());
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().kind, ErrorKind::stopped);
+  EXPECT_TRUE(EnvironmentLight::read(file, 1, {.filter = false}, end.get_token())) << "there is no map to be made";
+  std::filesystem::remove(file);
 }
 
 TEST(EnvironmentLight, OfAnEyeBelowTheSurfaceOrADullOneDoesNotShine) {

@@ -466,6 +466,11 @@ TEST_F(RendererTest, AnEnvironmentLightsTheSceneUnderAnyMethod) {
   from_above.up = {0, 1, 0};
   ASSERT_TRUE(renderer->set_view(from_above, width, height));
   EXPECT_TRUE(renderer->picture());
+  std::stop_source end;
+  end.request_stop();
+  const auto stopped = Renderer::create(scene_, width, height, end.get_token());
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().kind, ErrorKind::stopped);
   scene_.environment = folder_ / "no.exr";
   EXPECT_THAT(Renderer::create(scene_, width, height).error().message(), HasSubstr("no.exr"));
 }
