@@ -52,7 +52,8 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
     if (!environment) return tl::unexpected(environment.error());
     impl->environment = std::move(*environment);
     impl->environment_on = true;
-    impl->info.has_environment = true;
+    const auto& notes = impl->environment->notes();
+    impl->info.notes.insert(impl->info.notes.end(), notes.begin(), notes.end());
   }
   impl->materials = std::move(mesh->materials);
   mesh->textures.clear();  // the pass has its own
@@ -69,6 +70,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
 RendererInfo Renderer::info() const {
   RendererInfo info = impl_->info;
   info.left_out = left_out(impl_->visibility, impl_->environment_on);
+  info.has_environment = impl_->environment != nullptr;
   return info;
 }
 

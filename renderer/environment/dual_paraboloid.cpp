@@ -12,7 +12,6 @@ namespace lumifield {
 namespace {
 
 constexpr double b = DualParaboloid::b;
-constexpr int largest_side = 2048;
 
 /// x/(1 + |z|) or y/(1 + |z|) at a texture coordinate.
 double spread_out(double s) { return 2 * b * (s - 0.5); }

@@ -1,5 +1,8 @@
 #include "renderer/environment/environment_light.h"
 
+#include <cstdio>
+#include <numbers>
+
 #include "renderer/methods/lobe_sampling.h"
 
 namespace lumifield {
@@ -8,6 +11,20 @@ namespace {
 
 std::vector<LobePoint> points_of(const EnvironmentSettings& settings) {
   return lobe_points(PointSequence::halton, settings.samples, settings.seed, LobeDraws::glossy);
+}
+
+std::vector<std::string> notes_of(const LatLong& environment, const DualParaboloid* map,
+                                  const std::filesystem::path& file) {
+  std::vector<std::string> notes;
+  if (!environment.note().empty()) notes.push_back(file.string() + ": " + environment.note());
+  const double pixel = 2 * std::numbers::pi / environment.width_px();
+  if (map && map->widest_texel() > pixel) {
+    char text[120];
+    std::snprintf(text, sizeof text, ": its pixels span %.2f°, but gloss reflects it in texels of up to %.2f°",
+                  pixel * 180 / std::numbers::pi, map->widest_texel() * 180 / std::numbers::pi);
+    notes.push_back(file.string() + text);
+  }
+  return notes;
 }
 
 }  // namespace
@@ -23,7 +40,9 @@ Result<std::unique_ptr<EnvironmentLight>> EnvironmentLight::read(const std::file
     if (!made) return tl::unexpected(Error{"stopped before its map was made", file.string(), {}, ErrorKind::stopped});
     map = std::make_shared<const DualParaboloid>(std::move(*made));
   }
-  return std::unique_ptr<EnvironmentLight>(new EnvironmentLight(*environment, std::move(map), scale, settings));
+  std::unique_ptr<EnvironmentLight> light(new EnvironmentLight(*environment, std::move(map), scale, settings));
+  light->notes_ = notes_of(*environment, light->map_.get(), file);
+  return light;
 }
 
 EnvironmentLight::EnvironmentLight(const LatLong& environment, double scale, const EnvironmentSettings& settings)

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 #include "renderer/environment/dual_paraboloid.h"
@@ -35,6 +36,8 @@ class EnvironmentLight {
   /// The same light, filtered or not as it is, by other samples.
   EnvironmentLight with(int samples, std::uint32_t seed) const;
 
+  /// What it does not show of its file, and why, for people.
+  const std::vector<std::string>& notes() const { return notes_; }
   std::array<double, 3> irradiance(const Vec3& n) const;
   /// Towards the lobe's eye, all in the scene frame.
   std::array<double, 3> gloss(const GlossLobe& lobe, const Vec3& n) const;
@@ -49,6 +52,7 @@ class EnvironmentLight {
   double scale_;
   EnvironmentSettings settings_;
   std::vector<LobePoint> points_;
+  std::vector<std::string> notes_;
 };
 
 /// What the harmonics and the filter are judged by: the mean of n unfiltered samples, of the diffuse part (kind

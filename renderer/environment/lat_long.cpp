@@ -20,7 +20,9 @@ Result<LatLong> LatLong::read(const std::filesystem::path& file) {
     return fail("is an image of " + std::to_string(image->width_px) + " x " + std::to_string(image->height_px) +
                     " pixels, no latitude-longitude map",
                 file.string(), "give one that is twice as wide as high");
-  return LatLong(image->width_px, image->height_px, std::move(image->rgb));
+  LatLong environment(image->width_px, image->height_px, std::move(image->rgb));
+  environment.note_ = std::move(image->note);
+  return environment;
 }
 
 std::array<double, 3> LatLong::pixel(int i, int j) const {

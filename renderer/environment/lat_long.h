@@ -3,6 +3,7 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "luminaire/error.h"
@@ -21,6 +22,8 @@ class LatLong {
   /// OpenEXR (R, G, B or Y) or PNG. Errors: those of read_texture; an image that is not twice as wide as high.
   static Result<LatLong> read(const std::filesystem::path& file);
 
+  /// What of its file is not taken; empty when all is.
+  const std::string& note() const { return note_; }
   int width_px() const { return width_; }
   int height_px() const { return height_; }
   /// L from where a direction of any length points.
@@ -36,6 +39,7 @@ class LatLong {
  private:
   int width_, height_;
   std::shared_ptr<const std::vector<float>> rgb_;
+  std::string note_;
 };
 
 }  // namespace lumifield

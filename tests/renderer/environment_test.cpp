@@ -1,6 +1,7 @@
 // An environment: its maps, its harmonics, and what surfaces reflect of it, against plain sums over its image.
 #include <cmath>
 #include <filesystem>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <numbers>
 #include <random>
@@ -353,6 +354,29 @@ TEST(EnvironmentLight, IsReadWithItsMapUnlessToldToStop) {
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().kind, ErrorKind::stopped);
   EXPECT_TRUE(EnvironmentLight::read(file, 1, {.filter = false}, end.get_token())) << "there is no map to be made";
+  std::filesystem::remove(file);
+}
+
+TEST(EnvironmentLight, SaysWhatItDoesNotShowOfItsFile) {
+  const auto file = std::filesystem::temp_directory_path() / ("sky-" + std::to_string(getpid()) + ".exr");
+  const auto notes = [&](int width, bool alpha, bool filter) {
+    support::ExrFile exr(width, width / 2);
+    for (const char* name : {"Y", "A"}) {
+      if (name[0] == 'A' && !alpha) continue;
+      exr.channels[name] = Imf::HALF;
+      exr.pixels[name].assign(static_cast<std::size_t>(width * width / 2), 1.0F);
+    }
+    exr.write(file);
+    const auto light = EnvironmentLight::read(file, 1, {.filter = filter});
+    return light ? (*light)->notes() : std::vector{light.error().message()};
+  };
+  EXPECT_THAT(notes(8, false, true), testing::IsEmpty());
+  EXPECT_THAT(notes(8, true, true), testing::ElementsAre(file.string() + ": its alpha is not shown"));
+  EXPECT_THAT(notes(2680, false, true), testing::IsEmpty());
+  EXPECT_THAT(
+      notes(3000, false, true),
+      testing::ElementsAre(file.string() + ": its pixels span 0.12°, but gloss reflects it in texels of up to 0.13°"));
+  EXPECT_THAT(notes(3000, false, false), testing::IsEmpty()) << "it reflects the pixels";
   std::filesystem::remove(file);
 }
 

@@ -422,7 +422,7 @@ TEST_F(RendererTest, ALevelOfDetailIsPartOfTheView) {
 
 TEST_F(RendererTest, AnEnvironmentLightsTheSceneUnderAnyMethod) {
   support::ExrFile sky(64, 32);
-  for (const char* name : {"R", "G", "B"}) {
+  for (const char* name : {"R", "G", "B", "A"}) {
     sky.channels[name] = Imf::FLOAT;
     for (int k = 0; k < 64 * 32; ++k) sky.pixels[name].push_back(k < 64 * 16 ? 3.0F : 0.0F);
   }
@@ -430,10 +430,13 @@ TEST_F(RendererTest, AnEnvironmentLightsTheSceneUnderAnyMethod) {
   const LightField field = light_field_of(geometry_of({"Y"}));
   const Picture without = fresh(scene_, field);
   EXPECT_FALSE(renderer_of(scene_, field.geometry())->set_environment(true)) << "there is none";
+  EXPECT_FALSE(renderer_of(scene_, field.geometry())->info().has_environment);
   scene_.environment = folder_ / "sky.exr";
   scene_.environment_scale = 0.5;
   auto renderer = renderer_of(scene_, field.geometry());
   EXPECT_TRUE(renderer->environment());
+  EXPECT_TRUE(renderer->info().has_environment);
+  EXPECT_THAT(renderer->info().notes, Contains(HasSubstr("sky.exr: its alpha is not shown")));
   EXPECT_THAT(renderer->info().left_out, HasSubstr("what hides the environment"));
   ASSERT_TRUE(renderer->add_all(field));
   for (const Method method : {Method::closed_form, Method::uniform_box}) {
