@@ -19,10 +19,11 @@ class LatLong {
  public:
   /// Twice as wide as high. rgb interleaved, 3 · width · height, finite and not negative.
   LatLong(int width_px, int height_px, std::vector<float> rgb);
-  /// OpenEXR (R, G, B or Y) or PNG. Errors: those of read_texture; an image that is not twice as wide as high.
+  /// OpenEXR (R, G, B or Y; the display window is the whole turn) or PNG. Errors: those of read_texture; an image that
+  /// is not twice as wide as high.
   static Result<LatLong> read(const std::filesystem::path& file);
 
-  /// What of its file is not taken; empty when all is.
+  /// What of its file is not shown, or not there; empty when all is.
   const std::string& note() const { return note_; }
   int width_px() const { return width_; }
   int height_px() const { return height_; }

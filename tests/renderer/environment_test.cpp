@@ -98,6 +98,24 @@ TEST(LatLong, IsReadFromAFileOfItsShape) {
   EXPECT_FALSE(LatLong::read(file));
 }
 
+TEST(LatLong, OfACroppedFileLooksWhereItsDisplayWindowSays) {
+  const auto file = std::filesystem::temp_directory_path() / ("sky-" + std::to_string(getpid()) + ".exr");
+  support::ExrFile exr(1, 1);
+  exr.display_window = {{0, 0}, {15, 7}};
+  exr.data_window = {{12, 1}, {13, 1}};  // itself twice as wide as high
+  exr.channels["Y"] = Imf::FLOAT;
+  exr.pixels["Y"] = {3, 5};
+  exr.write(file);
+  const auto read = LatLong::read(file);
+  std::filesystem::remove(file);
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_EQ(read->width_px(), 16);
+  EXPECT_EQ(read->radiance(read->direction(12.5, 1.5))[0], 3);
+  EXPECT_EQ(read->radiance(read->direction(13.5, 1.5))[0], 5);
+  EXPECT_EQ(read->radiance(Vec3(0, 1, 0))[0], 0);
+  EXPECT_EQ(read->note(), "it is black where its data window ends before its display window");
+}
+
 TEST(DualParaboloid, TexelsSpanWhatTheMappingSays) {
   // The four corners of a texel span Ω_p, and its own half adds up to a half space.
   const DualParaboloid map(made_up());
