@@ -105,11 +105,31 @@ TEST(Shading, AddsAnEnvironment) {
   EXPECT_EQ(picture.rgb[8], 0);
 }
 
+TEST(Shading, HarmonicsBelowZeroTakeFromTheLuminairesLight) {
+  // A small source at 120° from the normal, by its harmonics −4 % of what it gives a surface that faces it.
+  GBuffer g{1, 1, {0, 0, 0, 1}, {0, 0, 1, 0}, {}, {}};
+  const std::vector<Material> materials{{.name = "dull", .diffuse = {0.5F, 0.25F, 0}}};
+  std::vector<float> rgb(3 * 64 * 32, 0.0F);
+  for (std::size_t c = 0; c < 3; ++c) rgb[3 * (21 * 64 + 40) + c] = 100;
+  const LatLong image(64, 32, rgb);
+  const double facing = 100 * image.solid_angle(21);
+  std::vector<float> light(3);
+  shade_by_environment(g, materials, EnvironmentLight(image, 1), {0, 0, 500}, 0, 1, light);
+  EXPECT_NEAR(light[0], -0.04 * facing * 0.5 * std::numbers::inv_pi, 0.002 * facing);
+  Picture picture{1, 1, std::vector<float>(3), std::vector<float>(1), {}};
+  shade(g, materials, {ScenePlacement{}}, {std::vector<double>{2}, 1}, light, picture);
+  EXPECT_NEAR(picture.rgb[0], 0.5 * 2 * std::numbers::inv_pi + light[0], 1e-6);
+  EXPECT_LT(picture.rgb[0], 0.5 * 2 * std::numbers::inv_pi);
+}
+
 TEST(Shading, SaysWhatIsLeftOut) {
   EXPECT_EQ(left_out(Visibility::none), "shadows, and light from surface to surface");
   EXPECT_EQ(left_out(Visibility::tile), "light from surface to surface");
-  EXPECT_EQ(left_out(Visibility::none, true), "shadows, what hides the environment, and light from surface to surface");
-  EXPECT_EQ(left_out(Visibility::rays, true), "what hides the environment, and light from surface to surface");
+  const std::string around =
+      "the environment behind the scene, what hides the environment, more than nine harmonics of its diffuse light "
+      "(off by −4 to +9 % of a small source's, below 0 about 120° from it), and light from surface to surface";
+  EXPECT_EQ(left_out(Visibility::none, true), "shadows, " + around);
+  EXPECT_EQ(left_out(Visibility::rays, true), around);
 }
 
 }  // namespace
