@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,9 @@ struct RendererInfo {
 class Renderer {
  public:
   /// Errors: no EGL context, the mesh's, the environment's (LatLong::read), a scene without a luminaire or with a pose
-  /// that is not rigid.
-  static Result<std::unique_ptr<Renderer>> create(const Scene& scene, int width_px, int height_px);
+  /// that is not rigid; ErrorKind::stopped, where `stop` asks for it while the environment's map is made.
+  static Result<std::unique_ptr<Renderer>> create(const Scene& scene, int width_px, int height_px,
+                                                  const std::stop_token& stop = {});
   ~Renderer();
 
   RendererInfo info() const;

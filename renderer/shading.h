@@ -45,7 +45,8 @@ struct Received {
 };
 
 /// radiance = diffuse_at/π · Σ scale·E + Σ scale·G, E and G taken as float. `environment`: radiance of its light, R G B
-/// by pixel, added; empty where there is none. Fills rgb and coverage of a picture of the G-buffer's size.
+/// by pixel, added; empty where there is none. Of its harmonics it may be below 0: then it takes from the luminaire's
+/// light. Fills rgb and coverage of a picture of the G-buffer's size.
 void shade(const GBuffer& gbuffer, const std::vector<Material>& materials,
            const std::vector<ScenePlacement>& placements, const Received& received, std::span<const float> environment,
            Picture& picture);

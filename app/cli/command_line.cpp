@@ -168,8 +168,10 @@ void add_render(CLI::App& app, RenderOptions& o) {
   add_method(*render, o);
   render->add_option("--shadows", o.shadows, described_visibilities())->check(visibility_name())->capture_default_str();
   render
-      ->add_option("--environment", o.environment,
-                   "Light of the scene's environment: on or off (default: on where the scene names one)")
+      ->add_option(
+          "--environment", o.environment,
+          "Light of the scene's environment, which surfaces reflect and which is not shown behind them: on or off "
+          "(default: on where the scene names one)")
       ->check(CLI::IsMember({"on", "off"}));
   render->add_option("--size", o.size, "Picture size")->check(picture_size())->capture_default_str();
   render->add_option("--exposure", o.exposure, "Exposure of the tone curve (PNG)")

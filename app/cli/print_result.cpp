@@ -28,6 +28,10 @@ int print_result(const Result<nlohmann::ordered_json>& result, bool json,
   return exit_done;
 }
 
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) std::fprintf(stderr, "lumifield: note: %s\n", note.c_str());
+}
+
 nlohmann::ordered_json method_summary(const MethodSettings& settings) {
   const MethodInfo& method = info(settings.method);
   nlohmann::ordered_json summary{{"method", method.name}};

@@ -74,7 +74,7 @@ Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
   if (!points) return tl::unexpected(points.error());
   auto dataset = read_dataset(options.luminaire);
   if (!dataset) return tl::unexpected(dataset.error());
-  for (const std::string& note : dataset->index.notes) std::fprintf(stderr, "lumifield: note: %s\n", note.c_str());
+  print_notes(dataset->index.notes);
   const Coverage coverage = dataset->light_field.coverage();
   if (!coverage.complete())
     std::fprintf(stderr, "lumifield: note: %d of %d cells are unmeasured and add nothing\n",

@@ -29,10 +29,11 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   if (options.environment == "off") scene->environment.reset();  // so that it is not read
   auto dataset = read_dataset(options.luminaire);
   if (!dataset) return tl::unexpected(dataset.error());
-  for (const std::string& note : dataset->index.notes) std::fprintf(stderr, "lumifield: note: %s\n", note.c_str());
+  print_notes(dataset->index.notes);
 
   auto renderer = Renderer::create(*scene, size->first, size->second);
   if (!renderer) return tl::unexpected(renderer.error());
+  print_notes((*renderer)->info().notes);
   if (Status viewed = (*renderer)->set_view(scene->camera, size->first, size->second, options.lod); !viewed)
     return tl::unexpected(viewed.error());
   const MethodSettings settings = method_settings(options);

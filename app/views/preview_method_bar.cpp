@@ -45,7 +45,8 @@ PreviewMethodBar::PreviewMethodBar(QWidget* parent)
   add_shadows(row);
   environment_->setChecked(true);
   environment_->setToolTip(
-      tr("Whether the lab around the lamp lights the scene: the environment that the scene names"));
+      tr("Whether the lab around the lamp lights the scene: the environment that the scene names. It is reflected by "
+         "surfaces, and not shown behind them."));
   environment_->hide();
   row->addWidget(environment_);
   connect(environment_, &QCheckBox::toggled, this, &PreviewMethodBar::environmentSwitched);
