@@ -12,14 +12,18 @@ Result<std::unique_ptr<MisDevice>> MisDevice::create(const LuminaireGeometry& ge
   return made;
 }
 
+/// Beside the images of so many cells.
+double MisDevice::further_bytes(std::size_t cells) const {
+  return static_cast<double>(cells * tables_.cell_bytes()) + lobe_table_bytes(settings_);
+}
+
 /// Images and tables share their rows, so that a pixel has one place.
 Status MisDevice::take_cells(const LightField& light_field) {
   tables_ = LightTables(geometry_.measurement, images_.stride());
   if (!tables_.fits())
     return fail("images of this size cannot be sampled", "the luminaire", "use smaller images or fewer cells");
   const std::vector<MeasuredCell> cells = measured_cells(light_field);
-  if (Status done = images_.upload(*device_, light_field, settings_, cells.size() * tables_.cell_bytes()); !done)
-    return done;
+  if (Status done = images_.upload(*device_, light_field, settings_, further_bytes(cells.size())); !done) return done;
   tables_.describe(shared_);
   shared_.plane = images_.geometry().plane;
   if (Status room = tables_.make_room(*device_, cells.size()); !room) return room;
@@ -34,6 +38,7 @@ Status MisDevice::take_cells(const LightField& light_field) {
 }
 
 Status MisDevice::make_points() {
+  if (Status fits = images_.check_memory(*device_, settings_, further_bytes(numbers_.size())); !fits) return fits;
   const PointSet set(settings_.sequence, settings_.samples, settings_.seed);
   shared_.points = static_cast<int>(set.points().size());
   const MisCounts counts = mis_counts(settings_.samples);
