@@ -27,6 +27,11 @@ Status FilteredBrdfDevice::make_points() {
   return {};
 }
 
+/// Of the diffuse part, and of the lobe where there are any.
+double FilteredBrdfDevice::rays_of_a_receiver() const {
+  return (gloss_channels() > 0 ? 2.0 : 1.0) * whole_samples(settings_.samples);
+}
+
 unsigned FilteredBrdfDevice::set_arguments(DeviceKernel& kernel) {
   RayGeometry rays = images_.geometry();
   rays.samples = whole_samples(settings_.samples);

@@ -1,5 +1,7 @@
 #include "renderer/methods/mis_device.h"
 
+#include <algorithm>
+
 #include "renderer/methods/sampled_cell.h"
 #include "renderer/methods/table_memory.h"
 
@@ -53,6 +55,13 @@ Status MisDevice::make_points() {
   if (Status done = fill(wide_, counts.wide, LobeDraws::glossy, shares_.wide_points); !done) return done;
   if (Status done = fill(narrow_, counts.narrow, LobeDraws::glossy, shares_.narrow_points); !done) return done;
   return device_->fill(cells_, sampling_cells(geometry_.sampling, numbers_, settings_.seed), "cells");
+}
+
+double MisDevice::rays_of_a_receiver() const {
+  const MisCounts counts = mis_counts(settings_.samples);
+  const double diffuse = counts.light + counts.diffuse;
+  if (gloss_channels() == 0) return diffuse;
+  return std::max({diffuse, counts.light + counts.wide, counts.light_beside + counts.narrow});
 }
 
 unsigned MisDevice::set_arguments(DeviceKernel& kernel) {
