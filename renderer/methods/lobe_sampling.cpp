@@ -159,6 +159,12 @@ std::vector<LobePoint> lobe_points(PointSequence sequence, int n, std::uint32_t 
   return points;
 }
 
+std::vector<LobePoint> judging_points(int n) {
+  constexpr int least = 1 << 12, most = 1 << 16;
+  const int many = n < most / 16 ? std::max(16 * n, least) : std::max(most, n);
+  return lobe_points(PointSequence::halton, many, 0, LobeDraws::glossy);
+}
+
 std::size_t first_point(PointSequence sequence, std::size_t points, std::uint32_t receiver, std::uint32_t seed,
                         LobeDraws draws) {
   if (sequence != PointSequence::twister) return 0;
