@@ -42,9 +42,12 @@ std::vector<Receiver> as_receivers(const Receivers& seen) {
   return receivers;
 }
 
-std::string left_out(Visibility visibility, bool environment) {
-  const std::string indirect =
+std::string left_out(Visibility visibility, bool environment, const MethodSettings& method) {
+  std::string indirect =
       std::string(environment ? "what hides the environment, and " : "") + "light from surface to surface";
+  if (method.method == Method::shift_invariant)
+    indirect += "; where within a cell its light comes from (shift-invariant, " +
+                std::string(to_string(method.spots.look_up)) + ")";
   return visibility == Visibility::none ? "shadows, " + std::string(environment ? "" : "and ") + indirect : indirect;
 }
 

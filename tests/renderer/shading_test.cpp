@@ -121,6 +121,13 @@ TEST(Shading, SaysWhatIsLeftOut) {
   EXPECT_EQ(left_out(Visibility::tile), "light from surface to surface");
   EXPECT_EQ(left_out(Visibility::none, true), "shadows, what hides the environment, and light from surface to surface");
   EXPECT_EQ(left_out(Visibility::rays, true), "what hides the environment, and light from surface to surface");
+  MethodSettings spots{.method = Method::shift_invariant};
+  EXPECT_EQ(left_out(Visibility::tile, false, spots),
+            "light from surface to surface; where within a cell its light comes from (shift-invariant, weighted)");
+  spots.spots.look_up = SpotLookUp::textured;
+  EXPECT_EQ(left_out(Visibility::none, false, spots),
+            "shadows, and light from surface to surface; where within a cell its light comes from (shift-invariant, "
+            "textured)");
 }
 
 }  // namespace
