@@ -69,7 +69,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
 
 RendererInfo Renderer::info() const {
   RendererInfo info = impl_->info;
-  info.left_out = left_out(impl_->visibility, impl_->environment_on);
+  info.left_out = left_out(impl_->visibility, impl_->environment_on, impl_->settings);
   info.has_environment = impl_->environment != nullptr;
   return info;
 }
@@ -207,7 +207,7 @@ Result<Picture> Renderer::picture_so_far() {
     if (const Status read = impl_->read_sums(); !read) return tl::unexpected(read.error());
   const std::size_t pixels = impl_->gbuffer.position.size() / 4;
   Picture picture{impl_->gbuffer.width_px, impl_->gbuffer.height_px, std::vector<float>(3 * pixels),
-                  std::vector<float>(pixels), left_out(impl_->visibility, impl_->environment_on)};
+                  std::vector<float>(pixels), left_out(impl_->visibility, impl_->environment_on, impl_->settings)};
   impl_->surround(HUGE_VAL);
   shade(impl_->gbuffer, impl_->materials, impl_->placements,
         {impl_->irradiance, impl_->geometry->channels.size(), impl_->gloss, impl_->gloss_channels},

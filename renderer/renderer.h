@@ -69,7 +69,8 @@ class Renderer {
   /// luminaire cannot take, one of OpenCL where there is none; then all stays.
   Status set_method(const MethodSettings& settings);
   /// Hands the view's receivers to the device, unless it has them: what sums or reads would do first. Errors: more of
-  /// them, one for each pixel and placement, than fit into half of the machine's memory; the device's.
+  /// them, one for each pixel and placement, than fit into half of the machine's memory with what a method has of each
+  /// placement; the device's.
   Status hand_over();
 
   /// Adds or replaces one cell; the image is kept for changes of view. Where others wait, it waits with them. After an

@@ -7,6 +7,7 @@
 #include "luminaire/scene.h"
 #include "renderer/environment/environment_light.h"
 #include "renderer/methods/gloss_shared.h"
+#include "renderer/methods/method.h"
 #include "renderer/methods/receiver.h"
 #include "renderer/opengl/gbuffer.h"
 #include "renderer/picture.h"
@@ -24,8 +25,9 @@ Receivers receivers_of(const GBuffer& gbuffer, const std::vector<ScenePlacement>
 /// As methods take them.
 std::vector<Receiver> as_receivers(const Receivers& seen);
 
-/// What a picture leaves out of the light, for people. environment: it shows one's light.
-std::string left_out(Visibility visibility, bool environment = false);
+/// What a picture leaves out of the light, for people. environment: it shows one's light. method: what computes it; of
+/// shift-invariant the look-up is named.
+std::string left_out(Visibility visibility, bool environment = false, const MethodSettings& method = {});
 
 /// The lobes of those receivers, in their order; LOBE_NONE for background and diffuse surfaces. Empty when no surface
 /// in sight is glossy. eye_mm: scene frame.

@@ -40,6 +40,7 @@ nlohmann::ordered_json method_summary(const MethodSettings& settings) {
     summary[method.cost == MethodCost::lights ? "lights" : "samples"] = settings.samples;
     summary["seed"] = settings.seed;
   }
+  if (settings.method == Method::shift_invariant) summary["spots"] = to_string(settings.spots.look_up);
   if (averages_light(settings.method)) summary["filter"] = settings.filter ? "on" : "off";
   return summary;
 }

@@ -38,7 +38,6 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
     return tl::unexpected(viewed.error());
   const MethodSettings settings = method_settings(options);
   const Visibility shadows = visibility_from_string(options.shadows).value_or(Visibility::tile);
-  const bool own_shadows = shadows != Visibility::none && has_own_shadows(settings.method);
   const auto start = std::chrono::steady_clock::now();
   if (Status set = (*renderer)->set_visibility(shadows); !set) return tl::unexpected(set.error());
   if (Status set = (*renderer)->set_method(settings); !set) return tl::unexpected(set.error());
@@ -54,7 +53,7 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   const RendererInfo info = (*renderer)->info();
   nlohmann::ordered_json summary{{"out", options.out}};
   summary.update(method_summary(settings));
-  summary.update(nlohmann::ordered_json{{"shadows", own_shadows ? "own" : options.shadows},
+  summary.update(nlohmann::ordered_json{{"shadows", shadows_of(settings.method, shadows)},
                                         {"environment", (*renderer)->environment() ? "on" : "off"},
                                         {"width_px", size->first},
                                         {"height_px", size->second},

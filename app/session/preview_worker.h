@@ -65,6 +65,7 @@ class PreviewWorker {
   bool all_in() const { return static_cast<int>(cells_.size()) == geometry_->sampling.cells(); }
   bool caught_up() const { return renderer_->waiting() == 0 || caught_up_; }
   void draw(PreviewDetail detail);
+  double drawn_receivers() const;
   void hand_over();
   bool surround();
   void sum();

@@ -176,6 +176,13 @@ TEST(Shading, SaysWhatIsLeftOut) {
       "(off by −4 to +9 % of a small source's, below 0 about 120° from it), and light from surface to surface";
   EXPECT_EQ(left_out(Visibility::none, true), "shadows, " + around);
   EXPECT_EQ(left_out(Visibility::rays, true), around);
+  MethodSettings spots{.method = Method::shift_invariant};
+  EXPECT_EQ(left_out(Visibility::tile, false, spots),
+            "light from surface to surface; where within a cell its light comes from (shift-invariant, weighted)");
+  spots.spots.look_up = SpotLookUp::textured;
+  EXPECT_EQ(left_out(Visibility::none, false, spots),
+            "shadows, and light from surface to surface; where within a cell its light comes from (shift-invariant, "
+            "textured)");
 }
 
 }  // namespace
