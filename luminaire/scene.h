@@ -43,7 +43,7 @@ struct Scene {
   std::map<std::string, MaterialOverride> materials;
   SceneCamera camera;
   std::vector<ScenePlacement> luminaires;
-  std::optional<std::filesystem::path> environment;  ///< OpenEXR, latitude-longitude (renderer/environment/lat_long.h)
+  std::optional<std::filesystem::path> environment;  ///< latitude-longitude (renderer/environment/lat_long.h)
   double environment_scale = 1;                      ///< radiance in the luminaire's unit of one unit of the image
 };
 

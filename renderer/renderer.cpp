@@ -32,7 +32,8 @@ Status check_placements(const std::vector<ScenePlacement>& placements) {
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Renderer::~Renderer() = default;
 
-Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width_px, int height_px) {
+Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width_px, int height_px,
+                                                   const std::stop_token& stop) {
   if (const Status placed = check_placements(scene.luminaires); !placed) return tl::unexpected(placed.error());
   Result<Mesh> mesh = read_mesh(scene.mesh, scene.materials);
   if (!mesh) return tl::unexpected(mesh.error());
@@ -47,11 +48,12 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
   impl->info = {(*context)->description(), opencl.value_or(""), std::move(mesh->notes), {}};
   if (!opencl) impl->info.notes.push_back("without OpenCL: " + opencl.error().message());
   if (scene.environment) {
-    auto environment = EnvironmentLight::read(*scene.environment, scene.environment_scale);
+    auto environment = EnvironmentLight::read(*scene.environment, scene.environment_scale, {}, stop);
     if (!environment) return tl::unexpected(environment.error());
     impl->environment = std::move(*environment);
     impl->environment_on = true;
-    impl->info.has_environment = true;
+    const auto& notes = impl->environment->notes();
+    impl->info.notes.insert(impl->info.notes.end(), notes.begin(), notes.end());
   }
   impl->materials = std::move(mesh->materials);
   mesh->textures.clear();  // the pass has its own
@@ -67,7 +69,8 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Scene& scene, int width
 
 RendererInfo Renderer::info() const {
   RendererInfo info = impl_->info;
-  info.left_out = left_out(impl_->visibility, impl_->environment_on);
+  info.left_out = left_out(impl_->visibility, impl_->environment_on, impl_->settings);
+  info.has_environment = impl_->environment != nullptr;
   return info;
 }
 
@@ -204,7 +207,7 @@ Result<Picture> Renderer::picture_so_far() {
     if (const Status read = impl_->read_sums(); !read) return tl::unexpected(read.error());
   const std::size_t pixels = impl_->gbuffer.position.size() / 4;
   Picture picture{impl_->gbuffer.width_px, impl_->gbuffer.height_px, std::vector<float>(3 * pixels),
-                  std::vector<float>(pixels), left_out(impl_->visibility, impl_->environment_on)};
+                  std::vector<float>(pixels), left_out(impl_->visibility, impl_->environment_on, impl_->settings)};
   impl_->surround(HUGE_VAL);
   shade(impl_->gbuffer, impl_->materials, impl_->placements,
         {impl_->irradiance, impl_->geometry->channels.size(), impl_->gloss, impl_->gloss_channels},

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,9 @@ struct RendererInfo {
 class Renderer {
  public:
   /// Errors: no EGL context, the mesh's, the environment's (LatLong::read), a scene without a luminaire or with a pose
-  /// that is not rigid.
-  static Result<std::unique_ptr<Renderer>> create(const Scene& scene, int width_px, int height_px);
+  /// that is not rigid; ErrorKind::stopped, where `stop` asks for it while the environment's map is made.
+  static Result<std::unique_ptr<Renderer>> create(const Scene& scene, int width_px, int height_px,
+                                                  const std::stop_token& stop = {});
   ~Renderer();
 
   RendererInfo info() const;
@@ -67,7 +69,8 @@ class Renderer {
   /// luminaire cannot take, one of OpenCL where there is none; then all stays.
   Status set_method(const MethodSettings& settings);
   /// Hands the view's receivers to the device, unless it has them: what sums or reads would do first. Errors: more of
-  /// them, one for each pixel and placement, than fit into half of the machine's memory; the device's.
+  /// them, one for each pixel and placement, than fit into half of the machine's memory with what a method has of each
+  /// placement; the device's.
   Status hand_over();
 
   /// Adds or replaces one cell; the image is kept for changes of view. Where others wait, it waits with them. After an

@@ -25,7 +25,7 @@ struct Renderer::Impl {
   Visibility visibility = Visibility::tile;
   std::vector<Material> materials;
   std::vector<ScenePlacement> placements;
-  RendererInfo info;  ///< without what the visibility leaves out
+  RendererInfo info;  ///< without left_out and has_environment
   GBuffer gbuffer;
   Vec3 eye_mm{0, 0, 0};                           ///< that sees it
   std::unique_ptr<EnvironmentLight> environment;  ///< the scene's, or null

@@ -7,6 +7,7 @@
 #include "renderer/methods/table_memory.h"
 #include "renderer/renderer_impl.h"
 #include "renderer/shading.h"
+#include "renderer/shift_invariant/spot_memory.h"
 #include "renderer/view_memory.h"
 
 namespace lumifield {
@@ -40,10 +41,19 @@ void Renderer::Impl::clear() {
 /// Before any of it is taken.
 Status Renderer::Impl::check_memory() const {
   const bool glossy = std::ranges::any_of(materials, [](const Material& m) { return m.lobe != LOBE_NONE; });
-  std::size_t each = 3 * 4 * sizeof(float) + sizeof(Receiver) + geometry->channels.size() * sizeof(double);
-  if (glossy) each += sizeof(GlossLobe) + 3 * sizeof(double);
-  if (visibility != Visibility::none && !spots) each += visibility_bytes(*geometry, visibility);
-  return check_view_memory("receivers", gbuffer.position.size() / 4, placements.size(), each, host_memory_bytes());
+  const bool shadowed = visibility != Visibility::none;
+  ViewMemory view{.pixels = gbuffer.position.size() / 4, .luminaires = placements.size()};
+  view.each_bytes = 3 * 4 * sizeof(float) + geometry->channels.size() * sizeof(double);
+  if (glossy) view.each_bytes += sizeof(GlossLobe) + 3 * sizeof(double);
+  if (spots) {
+    const SpotMemory own = spot_memory(*geometry, settings.spots, shadowed, glossy);
+    view.each_bytes += own.each_receiver;
+    view.luminaire_bytes = own.maps;
+    view.once_bytes = own.images;
+  } else {
+    view.each_bytes += sizeof(Receiver) + (shadowed ? visibility_bytes(*geometry, visibility) : 0);
+  }
+  return check_view_memory("receivers", view, host_memory_bytes());
 }
 
 /// Of additive methods: all that is summed.

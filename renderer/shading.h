@@ -7,6 +7,7 @@
 #include "luminaire/scene.h"
 #include "renderer/environment/environment_light.h"
 #include "renderer/methods/gloss_shared.h"
+#include "renderer/methods/method.h"
 #include "renderer/methods/receiver.h"
 #include "renderer/opengl/gbuffer.h"
 #include "renderer/picture.h"
@@ -24,8 +25,9 @@ Receivers receivers_of(const GBuffer& gbuffer, const std::vector<ScenePlacement>
 /// As methods take them.
 std::vector<Receiver> as_receivers(const Receivers& seen);
 
-/// What a picture leaves out of the light, for people. environment: it shows one's light.
-std::string left_out(Visibility visibility, bool environment = false);
+/// What a picture leaves out of the light, for people. environment: it shows one's light. method: what computes it; of
+/// shift-invariant the look-up is named.
+std::string left_out(Visibility visibility, bool environment = false, const MethodSettings& method = {});
 
 /// The lobes of those receivers, in their order; LOBE_NONE for background and diffuse surfaces. Empty when no surface
 /// in sight is glossy. eye_mm: scene frame.
@@ -45,7 +47,8 @@ struct Received {
 };
 
 /// radiance = diffuse_at/π · Σ scale·E + Σ scale·G, E and G taken as float. `environment`: radiance of its light, R G B
-/// by pixel, added; empty where there is none. Fills rgb and coverage of a picture of the G-buffer's size.
+/// by pixel, added; empty where there is none. Of its harmonics it may be below 0: then it takes from the luminaire's
+/// light. Fills rgb and coverage of a picture of the G-buffer's size.
 void shade(const GBuffer& gbuffer, const std::vector<Material>& materials,
            const std::vector<ScenePlacement>& placements, const Received& received, std::span<const float> environment,
            Picture& picture);

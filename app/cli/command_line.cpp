@@ -10,6 +10,7 @@
 #include <exception>
 #include <filesystem>
 #include <limits>
+#include <type_traits>
 
 #include "app/cli/commands.h"
 #include "renderer/visibility/visibility.h"
@@ -138,8 +139,17 @@ void check_use(const CLI::App& app, const std::string& method, double samples) {
       throw CLI::ValidationError(option, method + " takes none; leave it out");
   if (app.count("--filter") > 0 && !averages_light(chosen.method))
     throw CLI::ValidationError("--filter", method + " averages no light; leave it out");
+  if (app.count("--spots") > 0 && chosen.method != Method::shift_invariant)
+    throw CLI::ValidationError("--spots", "is of shift-invariant alone; leave it out");
   if (chosen.cost == MethodCost::lights && samples > most_lights)
     throw CLI::ValidationError("--samples", method + " takes 4 million lights at most");
+}
+
+/// Of what casts shadows.
+void check_shadows(const CLI::App& app, const RenderOptions& o) {
+  const Method method = method_from_string(o.method).value_or(Method::closed_form);
+  if (app.count("--shadows") > 0 && has_own_shadows(method) && o.shadows != to_string(Visibility::none))
+    throw CLI::ValidationError("--shadows", o.method + " has a depth map of each cell; give none, or leave it out");
 }
 
 template <class Options>
@@ -159,8 +169,16 @@ void add_method(CLI::App& app, Options& o) {
                  "or for a ray (off: unbiased)")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
+  app.add_option("--spots", o.spots,
+                 "shift-invariant: a cell's image averaged as its basis weighs it (weighted), or by one look-up of a "
+                 "texture, as the window has it (textured: faster, biased)")
+      ->check(CLI::IsMember({"weighted", "textured"}))
+      ->capture_default_str();
   app.add_option("--seed", o.seed, "Seed of the samples")->capture_default_str();
-  app.final_callback([&app, &o] { check_use(app, o.method, o.samples); });
+  app.final_callback([&app, &o] {
+    check_use(app, o.method, o.samples);
+    if constexpr (std::is_same_v<Options, RenderOptions>) check_shadows(app, o);
+  });
 }
 
 void add_render(CLI::App& app, RenderOptions& o) {
@@ -170,8 +188,10 @@ void add_render(CLI::App& app, RenderOptions& o) {
   add_method(*render, o);
   render->add_option("--shadows", o.shadows, described_visibilities())->check(visibility_name())->capture_default_str();
   render
-      ->add_option("--environment", o.environment,
-                   "Light of the scene's environment: on or off (default: on where the scene names one)")
+      ->add_option(
+          "--environment", o.environment,
+          "Light of the scene's environment, which surfaces reflect and which is not shown behind them: on or off "
+          "(default: on where the scene names one)")
       ->check(CLI::IsMember({"on", "off"}));
   render->add_option("--size", o.size, "Picture size")->check(picture_size())->capture_default_str();
   render->add_option("--exposure", o.exposure, "Exposure of the tone curve (PNG)")
@@ -191,7 +211,9 @@ void add_probe(CLI::App& app, ProbeOptions& o) {
   probe->add_option("--points", o.points, "CSV with columns x_mm,y_mm,z_mm,nx,ny,nz in the luminaire frame")
       ->required();
   add_method(*probe, o);
-  probe->add_option("--device", o.device, "host (double precision) or opencl")
+  probe
+      ->add_option("--device", o.device,
+                   "host (double precision) or opencl; of shift-invariant the kernel is one of OpenGL")
       ->check(CLI::IsMember({"host", "opencl"}))
       ->capture_default_str();
   probe

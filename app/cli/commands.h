@@ -27,7 +27,8 @@ struct ScanOptions {
 int run_scan(const ScanOptions& options);
 
 struct RenderOptions {
-  std::string luminaire, scene, method = "closed-form", filter = "on", shadows = "tile", size = "1024x768", out;
+  std::string luminaire, scene, method = "closed-form", filter = "on", spots = "weighted", shadows = "tile",
+                                size = "1024x768", out;
   std::string environment;  ///< "on", "off"; empty: on where the scene names one
   double exposure = default_exposure, white = 0;
   double lod = 0;      ///< pixels per support and axis, 0 exact
@@ -38,7 +39,7 @@ struct RenderOptions {
 int run_render(const RenderOptions& options);
 
 struct ProbeOptions {
-  std::string luminaire, points, method = "closed-form", filter = "on", device = "host", out;
+  std::string luminaire, points, method = "closed-form", filter = "on", spots = "weighted", device = "host", out;
   double lod = 0;      ///< pixels per support and axis, 0 exact
   double samples = 0;  ///< K for each receiver, or lights in all; 0: the method's usual
   std::uint32_t seed = 1;
@@ -67,13 +68,14 @@ struct StudyOptions {
 };
 int run_study_command(const StudyOptions& options, WriteStudyChart write_chart);
 
-/// Of --method, --lod, --samples, --filter and --seed, which were checked.
+/// Of --method, --lod, --samples, --filter, --spots and --seed, which were checked.
 template <class Options>
 MethodSettings method_settings(const Options& options) {
   MethodSettings settings{.method = method_from_string(options.method).value_or(Method::closed_form),
                           .lod = options.lod,
                           .seed = options.seed,
                           .filter = options.filter == "on"};
+  settings.spots.look_up = spot_look_up_from_string(options.spots).value_or(SpotLookUp::weighted);
   const double usual = info(settings.method).samples;
   if (options.samples > 0 || usual > 0) settings.samples = options.samples > 0 ? options.samples : usual;
   return settings;

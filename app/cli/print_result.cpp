@@ -28,6 +28,10 @@ int print_result(const Result<nlohmann::ordered_json>& result, bool json,
   return exit_done;
 }
 
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) std::fprintf(stderr, "lumifield: note: %s\n", note.c_str());
+}
+
 nlohmann::ordered_json method_summary(const MethodSettings& settings) {
   const MethodInfo& method = info(settings.method);
   nlohmann::ordered_json summary{{"method", method.name}};
@@ -36,6 +40,7 @@ nlohmann::ordered_json method_summary(const MethodSettings& settings) {
     summary[method.cost == MethodCost::lights ? "lights" : "samples"] = settings.samples;
     summary["seed"] = settings.seed;
   }
+  if (settings.method == Method::shift_invariant) summary["spots"] = to_string(settings.spots.look_up);
   if (averages_light(settings.method)) summary["filter"] = settings.filter ? "on" : "off";
   return summary;
 }

@@ -3,6 +3,7 @@
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "luminaire/error.h"
 #include "renderer/methods/method.h"
@@ -16,6 +17,9 @@ std::string dump_json(const nlohmann::ordered_json& json);
 /// code.
 int print_result(const Result<nlohmann::ordered_json>& result, bool json,
                  const std::function<std::string(const nlohmann::ordered_json&)>& words);
+
+/// On stderr, one a line.
+void print_notes(const std::vector<std::string>& notes);
 
 /// What a summary says of a method: what it has use for.
 nlohmann::ordered_json method_summary(const MethodSettings& settings);

@@ -43,8 +43,13 @@ Result<Values> by_host_form(const LightField& light_field, const std::vector<Rec
   return values;
 }
 
-Result<std::vector<double>> probe_opencl_device(const LightField& light_field, const std::vector<Receiver>& points,
-                                                const MethodSettings& settings) {
+/// What `--device opencl` is of a method.
+std::string device_of(const ProbeOptions& options, Method method) {
+  return options.device == "opencl" && !needs_opencl(method) ? "opengl" : options.device;
+}
+
+Result<std::vector<double>> probe_device(const LightField& light_field, const std::vector<Receiver>& points,
+                                         const MethodSettings& settings) {
   auto method = make_device_method(light_field.geometry(), settings);
   if (!method) return tl::unexpected(method.error());
   if (Status set = (*method)->set_cells(light_field); !set) return tl::unexpected(set.error());
@@ -56,9 +61,9 @@ Result<std::vector<double>> probe_opencl_device(const LightField& light_field, c
 }
 
 /// The stated error comes from the host form, whichever computes the light.
-Result<Values> by_opencl_form(const LightField& light_field, const std::vector<Receiver>& points,
+Result<Values> by_device_form(const LightField& light_field, const std::vector<Receiver>& points,
                               const MethodSettings& settings, bool with_stated_error) {
-  auto irradiance = probe_opencl_device(light_field, points, settings);
+  auto irradiance = probe_device(light_field, points, settings);
   if (!irradiance) return tl::unexpected(irradiance.error());
   Values values{std::move(*irradiance), {}};
   if (with_stated_error) {
@@ -74,7 +79,7 @@ Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
   if (!points) return tl::unexpected(points.error());
   auto dataset = read_dataset(options.luminaire);
   if (!dataset) return tl::unexpected(dataset.error());
-  for (const std::string& note : dataset->index.notes) std::fprintf(stderr, "lumifield: note: %s\n", note.c_str());
+  print_notes(dataset->index.notes);
   const Coverage coverage = dataset->light_field.coverage();
   if (!coverage.complete())
     std::fprintf(stderr, "lumifield: note: %d of %d cells are unmeasured and add nothing\n",
@@ -84,7 +89,7 @@ Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
   if (settings.method == Method::reference && options.device == "opencl")
     return fail("the reference has no OpenCL form", "--device", "take host, or the closed form");
   const auto start = std::chrono::steady_clock::now();
-  const auto probed = options.device == "opencl" ? by_opencl_form : by_host_form;
+  const auto probed = options.device == "opencl" ? by_device_form : by_host_form;
   const auto values = probed(dataset->light_field, *points, settings, options.stated_error);
   if (!values) return tl::unexpected(values.error());
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -96,7 +101,7 @@ Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
     return tl::unexpected(written.error());
   nlohmann::ordered_json summary{{"points", points->size()}};
   summary.update(method_summary(settings));
-  summary.update(nlohmann::ordered_json{{"device", options.device},
+  summary.update(nlohmann::ordered_json{{"device", device_of(options, settings.method)},
                                         {"unit", irradiance_unit_of(geometry.quantity)},
                                         {"cells", coverage.measured},
                                         {"cells_total", coverage.total},

@@ -29,15 +29,15 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   if (options.environment == "off") scene->environment.reset();  // so that it is not read
   auto dataset = read_dataset(options.luminaire);
   if (!dataset) return tl::unexpected(dataset.error());
-  for (const std::string& note : dataset->index.notes) std::fprintf(stderr, "lumifield: note: %s\n", note.c_str());
+  print_notes(dataset->index.notes);
 
   auto renderer = Renderer::create(*scene, size->first, size->second);
   if (!renderer) return tl::unexpected(renderer.error());
+  print_notes((*renderer)->info().notes);
   if (Status viewed = (*renderer)->set_view(scene->camera, size->first, size->second, options.lod); !viewed)
     return tl::unexpected(viewed.error());
   const MethodSettings settings = method_settings(options);
   const Visibility shadows = visibility_from_string(options.shadows).value_or(Visibility::tile);
-  const bool own_shadows = shadows != Visibility::none && has_own_shadows(settings.method);
   const auto start = std::chrono::steady_clock::now();
   if (Status set = (*renderer)->set_visibility(shadows); !set) return tl::unexpected(set.error());
   if (Status set = (*renderer)->set_method(settings); !set) return tl::unexpected(set.error());
@@ -53,7 +53,7 @@ Result<nlohmann::ordered_json> render(const RenderOptions& options) {
   const RendererInfo info = (*renderer)->info();
   nlohmann::ordered_json summary{{"out", options.out}};
   summary.update(method_summary(settings));
-  summary.update(nlohmann::ordered_json{{"shadows", own_shadows ? "own" : options.shadows},
+  summary.update(nlohmann::ordered_json{{"shadows", shadows_of(settings.method, shadows)},
                                         {"environment", (*renderer)->environment() ? "on" : "off"},
                                         {"width_px", size->first},
                                         {"height_px", size->second},

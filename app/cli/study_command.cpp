@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "app/cli/commands.h"
+#include "app/cli/print_result.h"
 #include "app/cli/status_line.h"
 #include "app/cli/study_report.h"
 #include "app/session/study_file.h"
@@ -53,7 +54,7 @@ Result<StudyLuminaire> read_luminaire(const std::string& text) {
     if (each.name == text) return StudyLuminaire{text, make_luminaire(each), true};
   auto dataset = read_dataset(text);
   if (!dataset) return tl::unexpected(dataset.error());
-  for (const std::string& note : dataset->index.notes) std::fprintf(stderr, "lumifield: note: %s\n", note.c_str());
+  print_notes(dataset->index.notes);
   const Coverage coverage = dataset->light_field.coverage();
   if (!coverage.complete())
     std::fprintf(stderr, "lumifield: note: %s: %d of %d cells are unmeasured and add nothing\n", text.c_str(),

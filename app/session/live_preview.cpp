@@ -59,7 +59,7 @@ bool LivePreview::Impl::wait(const PreviewWorker::Next& next, const std::stop_to
 void LivePreview::Impl::run(const Callbacks& callbacks, PreviewPace pace, const std::stop_token& stop) {
   // Of this thread alone, on Linux. One that may not yield works all the same.
   if (getpriority(PRIO_PROCESS, 0) < niceness) static_cast<void>(setpriority(PRIO_PROCESS, 0, niceness));
-  PreviewWorker worker(callbacks, pace);
+  PreviewWorker worker(callbacks, pace, stop);
   PreviewWorker::Next next;
   PreviewCommands taken;
   while (wait(next, stop, taken)) {

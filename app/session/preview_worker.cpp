@@ -6,8 +6,8 @@
 
 namespace lumifield {
 
-PreviewWorker::PreviewWorker(LivePreview::Callbacks callbacks, PreviewPace pace)
-    : callbacks_(std::move(callbacks)), pace_(pace) {}
+PreviewWorker::PreviewWorker(LivePreview::Callbacks callbacks, PreviewPace pace, std::stop_token stop)
+    : callbacks_(std::move(callbacks)), pace_(pace), stop_(std::move(stop)) {}
 
 bool PreviewWorker::same(const View& a, const View& b) {
   const auto alike = [](const ScenePlacement& p, const ScenePlacement& q) {
@@ -62,7 +62,8 @@ void PreviewWorker::take_scene(const Scene& scene) {
   last_.reset();
   last_error_.clear();
   // Any size does: the view is drawn when it is needed.
-  Result<std::unique_ptr<Renderer>> renderer = Renderer::create(scene, 64, 48);
+  Result<std::unique_ptr<Renderer>> renderer = Renderer::create(scene, 64, 48, stop_);
+  if (!renderer && renderer.error().kind == ErrorKind::stopped) return;  // nobody looks any more
   if (!renderer) return report(renderer.error());
   renderer_ = std::move(*renderer);
   if (const Status set = renderer_->set_method(method_); !set) {

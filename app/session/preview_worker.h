@@ -2,6 +2,7 @@
 
 #include <map>
 #include <set>
+#include <stop_token>
 
 #include "app/session/preview_commands.h"
 #include "app/session/preview_detail.h"
@@ -17,7 +18,8 @@ namespace lumifield {
 class PreviewWorker {
  public:
   using Clock = std::chrono::steady_clock;
-  PreviewWorker(LivePreview::Callbacks callbacks, PreviewPace pace);
+  /// `stop`: the thread is to end; a scene that is being taken is let go of.
+  PreviewWorker(LivePreview::Callbacks callbacks, PreviewPace pace, std::stop_token stop);
 
   void take(PreviewCommands commands);
 
@@ -63,6 +65,7 @@ class PreviewWorker {
   bool all_in() const { return static_cast<int>(cells_.size()) == geometry_->sampling.cells(); }
   bool caught_up() const { return renderer_->waiting() == 0 || caught_up_; }
   void draw(PreviewDetail detail);
+  double drawn_receivers() const;
   void hand_over();
   bool surround();
   void sum();
@@ -77,6 +80,7 @@ class PreviewWorker {
 
   LivePreview::Callbacks callbacks_;
   PreviewPace pace_;
+  std::stop_token stop_;
   PreviewCosts costs_;
 
   // What is wanted.

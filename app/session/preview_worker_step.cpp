@@ -136,13 +136,16 @@ void PreviewWorker::draw(PreviewDetail detail) {
   if (hasty_) hand_over();
 }
 
+/// Of the picture that is drawn, by the size asked for: what costs are learned for.
+double PreviewWorker::drawn_receivers() const { return drawn_view_.receivers() / (drawn_->divisor * drawn_->divisor); }
+
 void PreviewWorker::hand_over() {
   const Clock::time_point start = Clock::now();
   if (const Status handed = renderer_->hand_over(); !handed) return stop_at(handed.error());
   handed_over_ = true;
   draw_s_ += seconds_since(start);
   if (!drawn_->full()) coarse_took_s_ = draw_s_;
-  costs_.drawn(*drawn_, drawn_view_.receivers() / (drawn_->divisor * drawn_->divisor), draw_s_);
+  costs_.drawn(*drawn_, drawn_receivers(), draw_s_);
 }
 
 /// True when the view has the environment's light.
@@ -170,9 +173,7 @@ void PreviewWorker::sum() {
   // Methods that compute all cells together end their waiting with the last piece.
   unlearned_s_ += took_s;
   const int summed = before - renderer_->waiting();
-  if (summed > 0)
-    costs_.summed(*drawn_, drawn_view_.receivers() / (drawn_->divisor * drawn_->divisor), summed,
-                  std::exchange(unlearned_s_, 0));
+  if (summed > 0) costs_.summed(*drawn_, drawn_receivers(), summed, std::exchange(unlearned_s_, 0));
 }
 
 void PreviewWorker::show() {
@@ -203,8 +204,8 @@ void PreviewWorker::show() {
   dirty_ = false;
   last_error_.clear();
   const PreviewDetail detail = *drawn_;
+  const double receivers = drawn_receivers();
   hand_out(std::move(frame), start);
-  const double receivers = drawn_view_.receivers() / (detail.divisor * detail.divisor);
   costs_.shown(detail, receivers, last_->show_s + std::exchange(surround_s_, 0));
   if (!detail.full()) coarse_took_s_ += last_->show_s;
   if (!holds_cells()) let_in();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "app/views/cell_marks.h"
 #include "app/views/value_text.h"
@@ -37,6 +38,17 @@ double quality_value(CellFigure figure, const Quality& quality) {
       break;
   }
   return not_known;
+}
+
+/// The same planes, grid and images' place and size.
+bool same_planes(const LuminaireGeometry& a, const LuminaireGeometry& b) {
+  const auto grid = [](const Sampling& s) {
+    return std::tuple(s.basis, s.columns, s.rows, s.spacing_mm.x(), s.spacing_mm.y(), s.center_mm.x(), s.center_mm.y());
+  };
+  const auto images = [](const Measurement& m) {
+    return std::tuple(m.width_px, m.height_px, m.pixel_mm.x(), m.pixel_mm.y(), m.center_mm.x(), m.center_mm.y());
+  };
+  return a.planes == b.planes && grid(a.sampling) == grid(b.sampling) && images(a.measurement) == images(b.measurement);
 }
 
 }  // namespace
@@ -131,11 +143,22 @@ const ImageFigures& CellFigures::look_at(CellIndex cell) const {
   return looked.figures;
 }
 
+double CellFigures::constant_distance(CellIndex cell) const {
+  const LuminaireGeometry& geometry = *model_.geometry();
+  if (!errors_of_ || !same_planes(*errors_of_, geometry)) {
+    errors_.clear();
+    errors_of_ = geometry;
+  }
+  const auto [error, fresh] = errors_.try_emplace(cell, not_known);
+  if (fresh) error->second = largest_constant_distance_error(geometry, cell);
+  return error->second;
+}
+
 double CellFigures::value(CellFigure figure, CellIndex cell) const {
   const LuminaireModel::Cell* known = model_.cell(cell);
   if (!known || !model_.geometry()) return not_known;
   if (figure == CellFigure::neighbours) return known->neighbour_difference;
-  if (figure == CellFigure::constant_distance) return 100 * largest_constant_distance_error(*model_.geometry(), cell);
+  if (figure == CellFigure::constant_distance) return 100 * constant_distance(cell);
   if (figure == CellFigure::total) return look_at(cell).sum * model_.geometry()->measurement.pixel_mm.prod();
   return known->entry.quality ? quality_value(figure, *known->entry.quality) : not_known;
 }

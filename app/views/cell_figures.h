@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "app/views/luminaire_model.h"
@@ -32,12 +33,16 @@ struct ImageFigures {
 };
 ImageFigures figures_of(const CellImage& image);
 
-/// Figures of a luminaire's cells, in the units shown. Images are looked through once. GUI thread.
+/// Figures of a luminaire's cells, in the units shown. Images are looked through once, and what is of the geometry
+/// alone is computed once. GUI thread.
 class CellFigures {
  public:
   explicit CellFigures(const LuminaireModel& model) : model_(model) {}
   /// After another luminaire came: lets its images go.
-  void forget() { looked_.clear(); }
+  void forget() {
+    looked_.clear();
+    errors_.clear();
+  }
 
   /// NaN: not measured or not determined.
   double value(CellFigure figure, CellIndex cell) const;
@@ -53,12 +58,16 @@ class CellFigures {
   QString summary(CellIndex cell) const;
 
  private:
+  double constant_distance(CellIndex cell) const;
+
   const LuminaireModel& model_;
   struct Looked {
     std::shared_ptr<const CellImage> image;
     ImageFigures figures;
   };
   mutable std::map<CellIndex, Looked> looked_;
+  mutable std::map<CellIndex, double> errors_;            ///< Er, some 0.1 ms a cell
+  mutable std::optional<LuminaireGeometry> errors_of_{};  ///< the luminaire that they are of
 };
 
 }  // namespace lumifield

@@ -45,7 +45,8 @@ PreviewMethodBar::PreviewMethodBar(QWidget* parent)
   add_shadows(row);
   environment_->setChecked(true);
   environment_->setToolTip(
-      tr("Whether the lab around the lamp lights the scene: the environment that the scene names"));
+      tr("Whether the lab around the lamp lights the scene: the environment that the scene names. It is reflected by "
+         "surfaces, and not shown behind them."));
   environment_->hide();
   row->addWidget(environment_);
   connect(environment_, &QCheckBox::toggled, this, &PreviewMethodBar::environmentSwitched);
@@ -107,9 +108,10 @@ void PreviewMethodBar::add_shadows(QHBoxLayout* row) {
 
 void PreviewMethodBar::explain_shadows() {
   const bool own = has_own_shadows(method_.method) && visibility() != Visibility::none;
-  shadows_->setToolTip(own ? tr("What casts shadows: %1 has a depth map of each cell, whatever is chosen but none")
-                                 .arg(text_of(to_string(method_.method)))
-                           : tr("What casts shadows: %1").arg(text_of(info(visibility()).what)));
+  shadows_->setToolTip(
+      own ? tr("What casts shadows: %1 has %2, a depth map of each, whatever is chosen but none")
+                .arg(text_of(to_string(method_.method)), text_of(shadows_of(method_.method, visibility())))
+          : tr("What casts shadows: %1").arg(text_of(info(visibility()).what)));
   refresh_->setVisible(!own && visibility() == Visibility::published);
 }
 

@@ -14,13 +14,13 @@ QString progress_text(const PreviewFrame& frame) {
   if (frame.method.method != Method::closed_form) {
     text += " · " + QString::fromUtf8(method.name.data(), static_cast<qsizetype>(method.name.size()));
     if (method.cost != MethodCost::none) text += QString(", %1").arg(frame.method.samples);
+    if (method.method == Method::shift_invariant)
+      text += QString(", %1").arg(to_string(frame.method.spots.look_up).data());
   }
   if (frame.visibility == Visibility::none)
     text += " · no shadows";
-  else if (has_own_shadows(method.method))
-    text += " · shadows: a map of each cell";
   else
-    text += " · shadows: " + QString::fromUtf8(to_string(frame.visibility).data());
+    text += " · shadows: " + QString::fromUtf8(shadows_of(method.method, frame.visibility).data());
   if (frame.environment) text += " · environment";
   if (frame.coarse) text += " · coarse";
   return text;

@@ -47,6 +47,20 @@ QPainterPath polygon(int corners, double radius, double inner = 0) {
   return path;
 }
 
+/// Upright; arms twice `half` wide.
+QPainterPath cross(double reach, double half) {
+  QPolygonF points;
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    const QTransform turned = QTransform().rotate(90 * quarter);
+    for (const QPointF& corner : {QPointF(-half, -half), QPointF(-half, -reach), QPointF(half, -reach)})
+      points << turned.map(corner);
+  }
+  QPainterPath path;
+  path.addPolygon(points);
+  path.closeSubpath();
+  return path;
+}
+
 }  // namespace
 
 QColor method_colour(Method method, const QPalette& palette) {
@@ -84,7 +98,7 @@ QPainterPath method_mark(Method method, double size) {
       path = polygon(5, 1.3 * r, 0.55 * r);
       break;
     case Method::shift_invariant:
-      path = polygon(6, 1.15 * r);
+      path = cross(r, 0.36 * r);
       break;
     case Method::reference:
       path = polygon(4, 1.4 * r, 0.55 * r);

@@ -11,7 +11,7 @@ namespace lumifield {
 using std::numbers::pi;
 
 LatLong::LatLong(int width_px, int height_px, std::vector<float> rgb)
-    : width_(width_px), height_(height_px), rgb_(std::move(rgb)) {}
+    : width_(width_px), height_(height_px), rgb_(std::make_shared<const std::vector<float>>(std::move(rgb))) {}
 
 Result<LatLong> LatLong::read(const std::filesystem::path& file) {
   Result<Texture> image = read_texture(file);
@@ -20,19 +20,26 @@ Result<LatLong> LatLong::read(const std::filesystem::path& file) {
     return fail("is an image of " + std::to_string(image->width_px) + " x " + std::to_string(image->height_px) +
                     " pixels, no latitude-longitude map",
                 file.string(), "give one that is twice as wide as high");
-  return LatLong(image->width_px, image->height_px, std::move(image->rgb));
+  LatLong environment(image->width_px, image->height_px, std::move(image->rgb));
+  environment.note_ = std::move(image->note);
+  return environment;
 }
 
 std::array<double, 3> LatLong::pixel(int i, int j) const {
   const std::size_t at =
       3 * (static_cast<std::size_t>(j) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(i));
-  return {rgb_[at], rgb_[at + 1], rgb_[at + 2]};
+  return {(*rgb_)[at], (*rgb_)[at + 1], (*rgb_)[at + 2]};
+}
+
+std::array<int, 2> LatLong::pixel_at(const Vec3& d) const {
+  const double x = (std::atan2(d.x(), d.y()) / (2 * pi) + 0.5) * width_;
+  const double y = std::atan2(std::hypot(d.x(), d.y()), d.z()) / pi * height_;
+  return {std::clamp(static_cast<int>(x), 0, width_ - 1), std::clamp(static_cast<int>(y), 0, height_ - 1)};
 }
 
 std::array<double, 3> LatLong::radiance(const Vec3& d) const {
-  const double x = (std::atan2(d.x(), d.y()) / (2 * pi) + 0.5) * width_;
-  const double y = std::atan2(std::hypot(d.x(), d.y()), d.z()) / pi * height_;
-  return pixel(std::clamp(static_cast<int>(x), 0, width_ - 1), std::clamp(static_cast<int>(y), 0, height_ - 1));
+  const auto [i, j] = pixel_at(d);
+  return pixel(i, j);
 }
 
 Vec3 LatLong::direction(double i, double j) const {

@@ -11,8 +11,10 @@ namespace lumifield {
 ///
 ///     E(n) = Σ_lm A_l L_lm Y_lm(n),   A_0 = π, A_1 = 2π/3, A_2 = π/4.
 ///
-/// What is left out is that of degree 4 and more: small for any environment, and below 0 at places where a single
-/// bright source is behind. Value type, immutable, safe from any thread.
+/// L_lm is exact for the image as it is, constant on its pixels, however few: Y_lm is integrated over each in closed
+/// form. What is left out is that of degree 4 and more: of a small source, whose E at an angle γ from it is Φ max(0,
+/// cos γ), the nine give Φ (1/4 + cos γ/2 + 5/32 (3 cos² γ − 1)), from 4 % of Φ too little to 9 % too much (γ = 90°),
+/// and −4 % of Φ at 122°, where there is none. Value type, immutable, safe from any thread.
 class IrradianceHarmonics {
  public:
   explicit IrradianceHarmonics(const LatLong& environment);

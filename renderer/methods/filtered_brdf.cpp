@@ -71,11 +71,11 @@ void FilteredBrdf::add_stated(const ReceiverView& view, const LobeDistribution& 
     for (std::size_t c = 0; c < stated.size(); ++c) stated[c] = std::sqrt(squares[c] / n);
     return;
   }
-  constexpr double least = 4096, most = 65536;
-  const double many = std::max(std::min(std::max(16.0 * n, least), most), static_cast<double>(n));
+  const std::vector<LobePoint> points = judging_points(n);
+  const auto many = static_cast<double>(points.size());
   std::vector<double> mean(stated.size(), 0.0);
   std::ranges::fill(squares, 0.0);
-  for (const LobePoint& xi : lobe_points(PointSequence::halton, static_cast<int>(many), 0, LobeDraws::glossy)) {
+  for (const LobePoint& xi : points) {
     const LobeDraw draw = draws.sample(xi);
     const auto start = ray_start(view, draw.direction);
     if (!start) continue;

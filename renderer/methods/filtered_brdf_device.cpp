@@ -1,6 +1,7 @@
 #include "renderer/methods/filtered_brdf_device.h"
 
 #include "renderer/methods/lobe_sampling.h"
+#include "renderer/methods/table_memory.h"
 
 namespace lumifield {
 
@@ -12,10 +13,11 @@ Result<std::unique_ptr<FilteredBrdfDevice>> FilteredBrdfDevice::create(const Lum
 }
 
 Status FilteredBrdfDevice::take_cells(const LightField& light_field) {
-  return images_.upload(*device_, light_field, settings_);
+  return images_.upload(*device_, light_field, settings_, lobe_table_bytes(settings_));
 }
 
 Status FilteredBrdfDevice::make_points() {
+  if (Status fits = images_.check_memory(*device_, settings_, lobe_table_bytes(settings_)); !fits) return fits;
   const int n = whole_samples(settings_.samples);
   for (const auto& [kind, buffer] : {std::pair(LobeDraws::diffuse, &diffuse_), {LobeDraws::glossy, &glossy_}}) {
     const std::vector<LobePoint> points = lobe_points(settings_.sequence, n, settings_.seed, kind);
@@ -23,6 +25,11 @@ Status FilteredBrdfDevice::make_points() {
     if (Status done = device_->fill(*buffer, points, "points"); !done) return done;
   }
   return {};
+}
+
+/// Of the diffuse part, and of the lobe where there are any.
+double FilteredBrdfDevice::rays_of_a_receiver() const {
+  return (gloss_channels() > 0 ? 2.0 : 1.0) * whole_samples(settings_.samples);
 }
 
 unsigned FilteredBrdfDevice::set_arguments(DeviceKernel& kernel) {

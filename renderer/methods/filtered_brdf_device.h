@@ -17,6 +17,7 @@ class FilteredBrdfDevice final : public SampledDevice {
   Status take_cells(const LightField& light_field) override;
   unsigned set_arguments(DeviceKernel& kernel) override;
   Status make_points() override;
+  double rays_of_a_receiver() const override;
 
   RayImages images_;
   DeviceBuffer diffuse_, glossy_;

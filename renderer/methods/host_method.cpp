@@ -107,7 +107,8 @@ Status check_spots(const MethodSettings& s) {
 }  // namespace
 
 Status check_settings(const MethodSettings& s) {
-  // So that tables of points, and of lights, stay below some hundred megabytes.
+  // What that many lights or points of light samples take is some hundred megabytes; directions, which take more, are
+  // counted with the tables (table_memory.h).
   if (s.method == Method::precomputed_lights && !(s.samples >= 1 && s.samples <= most_lights))
     return fail("is not between 1 and 4 million", "number of lights", "give another");
   if (!(s.samples >= 1 && s.samples <= most_samples))

@@ -137,11 +137,16 @@ Vec2 LobeDistribution::invert(const Vec3& i) const {
   return {a * a + b * b, share_of_turn(b, a)};
 }
 
+std::size_t lobe_table(PointSequence sequence, int n) {
+  return static_cast<std::size_t>(sequence == PointSequence::twister ? std::max(table_stretches * n, least_table) : n);
+}
+
 std::vector<LobePoint> lobe_points(PointSequence sequence, int n, std::uint32_t seed, LobeDraws draws) {
   const auto kind = static_cast<std::uint32_t>(draws);
   std::vector<LobePoint> points;
+  points.reserve(lobe_table(sequence, n));
   if (sequence == PointSequence::twister) {
-    for (const UnitPoint& p : twister_points(std::max(table_stretches * n, least_table), hash(seed + kind)))
+    for (const UnitPoint& p : twister_points(static_cast<int>(lobe_table(sequence, n)), hash(seed + kind)))
       points.push_back(lobe_point(p.x + half_step, p.y + half_step));
     return points;
   }
@@ -152,6 +157,12 @@ std::vector<LobePoint> lobe_points(PointSequence sequence, int n, std::uint32_t 
     points.push_back(lobe_point((i + (begin.x + half_step)) / n, y - std::floor(y)));
   }
   return points;
+}
+
+std::vector<LobePoint> judging_points(int n) {
+  constexpr int least = 1 << 12, most = 1 << 16;
+  const int many = n < most / 16 ? std::max(16 * n, least) : std::max(most, n);
+  return lobe_points(PointSequence::halton, many, 0, LobeDraws::glossy);
 }
 
 std::size_t first_point(PointSequence sequence, std::size_t points, std::uint32_t receiver, std::uint32_t seed,

@@ -58,6 +58,11 @@ class LobeDistribution {
 /// takes n from first_point on.
 enum class LobeDraws { diffuse = 1, glossy = 2 };
 std::vector<LobePoint> lobe_points(PointSequence sequence, int n, std::uint32_t seed, LobeDraws draws);
+/// How many they are.
+std::size_t lobe_table(PointSequence sequence, int n);
+/// Of all seeds the same, and so many more than n that their mean stands for an integral over the samples' density: 16
+/// n, at least 4096 and at most 65,536, but never fewer than n.
+std::vector<LobePoint> judging_points(int n);
 std::size_t first_point(PointSequence sequence, std::size_t points, std::uint32_t receiver, std::uint32_t seed,
                         LobeDraws draws);
 

@@ -51,6 +51,10 @@ std::optional<Method> method_from_string(std::string_view name) {
 
 bool has_own_shadows(Method method) { return method == Method::shift_invariant; }
 
+std::string_view shadows_of(Method method, Visibility visibility) {
+  return visibility != Visibility::none && has_own_shadows(method) ? "cell" : to_string(visibility);
+}
+
 bool is_additive(Method method) { return method == Method::closed_form || method == Method::shift_invariant; }
 
 bool needs_opencl(Method method) { return method != Method::shift_invariant && method != Method::reference; }

@@ -8,6 +8,7 @@
 #include "renderer/sampling/cdf_inversion.h"
 #include "renderer/sampling/sequence.h"
 #include "renderer/shift_invariant/spot_settings.h"
+#include "renderer/visibility/visibility.h"
 
 namespace lumifield {
 
@@ -47,6 +48,8 @@ std::optional<Method> method_from_string(std::string_view name);
 bool is_additive(Method method);
 /// Of a method that makes a depth map of each cell for itself, whatever Visibility is asked for but none.
 bool has_own_shadows(Method method);
+/// What casts shadows, for people and files: the visibility's name, or "cell" by a map of each cell.
+std::string_view shadows_of(Method method, Visibility visibility);
 /// Its device is one of OpenCL.
 bool needs_opencl(Method method);
 

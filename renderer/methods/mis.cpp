@@ -215,9 +215,9 @@ struct Mis::Moments {
 };
 
 void Mis::add_filtered_lobes(const Mixture& mix, Moments& sums) const {
-  constexpr double least = 4096, most = 65536;
-  const double n = mix.count, many = std::max(std::clamp(16.0 * n, least, most), n);
-  for (const LobePoint& xi : lobe_points(PointSequence::halton, static_cast<int>(many), 0, LobeDraws::glossy))
+  const std::vector<LobePoint> points = judging_points(mix.count);
+  const auto n = static_cast<double>(mix.count), many = static_cast<double>(points.size());
+  for (const LobePoint& xi : points)
     if (const auto ray = mix.ray_of(mix.lobe().sample(xi)))
       mix.over_lobe_sample(*ray, [&](std::size_t k, double value) {
         sums.mean[k] += n / many * value;

@@ -1,5 +1,7 @@
 #include "renderer/methods/mis_device.h"
 
+#include <algorithm>
+
 #include "renderer/methods/sampled_cell.h"
 #include "renderer/methods/table_memory.h"
 
@@ -12,14 +14,18 @@ Result<std::unique_ptr<MisDevice>> MisDevice::create(const LuminaireGeometry& ge
   return made;
 }
 
+/// Beside the images of so many cells.
+double MisDevice::further_bytes(std::size_t cells) const {
+  return static_cast<double>(cells * tables_.cell_bytes()) + lobe_table_bytes(settings_);
+}
+
 /// Images and tables share their rows, so that a pixel has one place.
 Status MisDevice::take_cells(const LightField& light_field) {
   tables_ = LightTables(geometry_.measurement, images_.stride());
   if (!tables_.fits())
     return fail("images of this size cannot be sampled", "the luminaire", "use smaller images or fewer cells");
   const std::vector<MeasuredCell> cells = measured_cells(light_field);
-  if (Status done = images_.upload(*device_, light_field, settings_, cells.size() * tables_.cell_bytes()); !done)
-    return done;
+  if (Status done = images_.upload(*device_, light_field, settings_, further_bytes(cells.size())); !done) return done;
   tables_.describe(shared_);
   shared_.plane = images_.geometry().plane;
   if (Status room = tables_.make_room(*device_, cells.size()); !room) return room;
@@ -34,6 +40,7 @@ Status MisDevice::take_cells(const LightField& light_field) {
 }
 
 Status MisDevice::make_points() {
+  if (Status fits = images_.check_memory(*device_, settings_, further_bytes(numbers_.size())); !fits) return fits;
   const PointSet set(settings_.sequence, settings_.samples, settings_.seed);
   shared_.points = static_cast<int>(set.points().size());
   const MisCounts counts = mis_counts(settings_.samples);
@@ -48,6 +55,13 @@ Status MisDevice::make_points() {
   if (Status done = fill(wide_, counts.wide, LobeDraws::glossy, shares_.wide_points); !done) return done;
   if (Status done = fill(narrow_, counts.narrow, LobeDraws::glossy, shares_.narrow_points); !done) return done;
   return device_->fill(cells_, sampling_cells(geometry_.sampling, numbers_, settings_.seed), "cells");
+}
+
+double MisDevice::rays_of_a_receiver() const {
+  const MisCounts counts = mis_counts(settings_.samples);
+  const double diffuse = counts.light + counts.diffuse;
+  if (gloss_channels() == 0) return diffuse;
+  return std::max({diffuse, counts.light + counts.wide, counts.light_beside + counts.narrow});
 }
 
 unsigned MisDevice::set_arguments(DeviceKernel& kernel) {

@@ -19,6 +19,8 @@ class MisDevice final : public SampledDevice {
   Status take_cells(const LightField& light_field) override;
   unsigned set_arguments(DeviceKernel& kernel) override;
   Status make_points() override;
+  double rays_of_a_receiver() const override;
+  double further_bytes(std::size_t cells) const;
 
   RayImages images_;
   LightTables tables_;

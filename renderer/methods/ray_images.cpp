@@ -17,18 +17,20 @@ RayImages::RayImages(const LuminaireGeometry& geometry, bool with_levels) : layo
   shared_.levels = static_cast<int>(layout_.levels().size());
 }
 
+Status RayImages::check_memory(const OpenClDevice& device, const MethodSettings& settings, double further_bytes) const {
+  return check_table_memory(settings, bytes_ + further_bytes, static_cast<double>(device.memory_bytes()));
+}
+
 Status RayImages::upload(OpenClDevice& device, const LightField& light_field, const MethodSettings& settings,
-                         std::size_t further_bytes) {
+                         double further_bytes) {
   if (!layout_.fits())
     return fail("images of this size cannot be sampled", "the luminaire", "use smaller images or fewer cells");
   shared_.plane = static_cast<int>(layout_.plane_floats());
   shared_.image = static_cast<int>(layout_.image_floats());
   const std::vector<MeasuredCell> cells = measured_cells(light_field);
   const std::size_t bytes = layout_.image_floats() * sizeof(float);
-  if (const Status fits = check_table_memory(settings, static_cast<double>(cells.size() * bytes + further_bytes),
-                                             static_cast<double>(device.memory_bytes()));
-      !fits)
-    return fits;
+  bytes_ = static_cast<double>(cells.size() * bytes);
+  if (const Status fits = check_memory(device, settings, further_bytes); !fits) return fits;
   if (Status room = device.make_room(images_, cells.size() * bytes, "images"); !room) return room;
   std::vector<int> slots(static_cast<std::size_t>(light_field.geometry().sampling.cells()), -1);
   std::vector<float> packed;

@@ -15,7 +15,9 @@ class RayImages {
   /// Errors: images beyond what a kernel counts, more than they may take, the device's.
   /// further_bytes: of other tables, which count with the images.
   Status upload(OpenClDevice& device, const LightField& light_field, const MethodSettings& settings,
-                std::size_t further_bytes = 0);
+                double further_bytes);
+  /// Refuses other tables that are too much beside the images.
+  Status check_memory(const OpenClDevice& device, const MethodSettings& settings, double further_bytes) const;
   /// Floats from row to row of an image's finest level.
   std::size_t stride() const {
     return layout_.levels().empty() ? 0 : static_cast<std::size_t>(layout_.levels()[0].stride);
@@ -30,6 +32,7 @@ class RayImages {
  private:
   DeviceImages layout_;
   RayGeometry shared_{};
+  double bytes_ = 0;  ///< of all images
   DeviceBuffer slots_, levels_, images_;
 };
 

@@ -109,14 +109,16 @@ Status SampledDevice::begin() {
   return {};
 }
 
+double SampledDevice::rays_of_a_receiver() const { return info(settings_.method).samples > 0 ? settings_.samples : 1; }
+
 /// As many as fit by the time that those before took.
 std::size_t SampledDevice::band(double seconds) const {
   const auto all = static_cast<double>(receivers());
   const double each_s = next_ > 0 ? kernel_s_ / static_cast<double>(next_) : 0;
-  const double samples = info(settings_.method).samples > 0 ? shared_.samples : 1;  // of a receiver
+  const double rays = rays_of_a_receiver();
   const double fit = !std::isfinite(seconds) ? all
-                     : each_s > 0            ? std::min(seconds / each_s, most_band_samples / samples)
-                                             : first_samples / samples;
+                     : each_s > 0            ? std::min(seconds / each_s, most_band_samples / rays)
+                                             : first_samples / rays;
   return static_cast<std::size_t>(std::max(std::min(fit, all), static_cast<double>(work_group)));
 }
 

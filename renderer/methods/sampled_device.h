@@ -30,6 +30,8 @@ class SampledDevice : public DeviceMethod {
   virtual unsigned set_arguments(DeviceKernel& kernel) = 0;
   /// What depends on the cells, the samples and the seed; called before an evaluation where these changed.
   virtual Status make_points() = 0;
+  /// Samples of a receiver at most, of all kinds that are drawn for it: what bands of them are measured in.
+  virtual double rays_of_a_receiver() const;
 
   SamplingGeometry shared_{};
   std::unique_ptr<OpenClDevice> device_;

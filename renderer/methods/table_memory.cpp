@@ -4,9 +4,19 @@
 #include <cstdio>
 #include <unistd.h>
 
+#include "renderer/methods/lobe_sampling.h"
+#include "renderer/methods/mis.h"
 #include "renderer/methods/precomputed_lights.h"
 
 namespace lumifield {
+
+double lobe_table_bytes(const MethodSettings& settings) {
+  const auto bytes = [&](int n) { return static_cast<double>(lobe_table(settings.sequence, n) * sizeof(LobePoint)); };
+  if (settings.method == Method::filtered_brdf) return 2 * bytes(whole_samples(settings.samples));
+  if (settings.method != Method::mis) return 0;
+  const MisCounts counts = mis_counts(settings.samples);
+  return bytes(counts.diffuse) + bytes(counts.wide) + bytes(counts.narrow);
+}
 
 double host_table_bytes(const LuminaireGeometry& geometry, const MethodSettings& settings, int cells) {
   const Measurement& m = geometry.measurement;
@@ -34,9 +44,9 @@ double host_table_bytes(const LuminaireGeometry& geometry, const MethodSettings&
       // Levels of detail of a look-up.
       return settings.spots.look_up == SpotLookUp::weighted ? 0 : coarser_levels;
     case Method::filtered_brdf:
-      return settings.filter ? coarser_levels : 0;
+      return lobe_table_bytes(settings) + (settings.filter ? coarser_levels : 0);
     case Method::mis:
-      return cells * summed_area + (settings.filter ? coarser_levels : 0);
+      return lobe_table_bytes(settings) + cells * summed_area + (settings.filter ? coarser_levels : 0);
     case Method::uniform_box:
     case Method::far_field:  // its table is bounded where it is made
       break;
@@ -50,7 +60,9 @@ Status check_table_memory(const MethodSettings& settings, double table_bytes, do
   char text[128];
   std::snprintf(text, sizeof text, "its tables take %.3g MB, more than the %.3g MB that they may", table_bytes / 1e6,
                 allowed / 1e6);
-  return fail(text, std::string(to_string(settings.method)), "use closed-form, smaller images or fewer cells");
+  return fail(text, std::string(to_string(settings.method)),
+              std::string("use closed-form, ") + (lobe_table_bytes(settings) > 0 ? "fewer samples, " : "") +
+                  "smaller images or fewer cells");
 }
 
 double host_memory_bytes() {

@@ -7,6 +7,7 @@
 #include <OpenEXR/ImfStdIO.h>
 #include <OpenEXR/ImfTileDescriptionAttribute.h>
 #include <OpenEXR/ImfVersion.h>
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -16,6 +17,7 @@
 #include <fstream>
 #include <png.h>
 #include <string_view>
+#include <utility>
 
 #include "luminaire/file_io.h"
 #include "renderer/srgb.h"
@@ -28,6 +30,7 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t max_texture_bytes = std::uintmax_t{256} << 20;
 constexpr std::string_view png_begins = "\x89PNG\r\n\x1a\n", exr_begins = "\x76\x2f\x31\x01";
 constexpr const char* again = "export the texture again";
+constexpr const char* alpha_note = "its alpha is not shown";
 
 Status check_size(long long width, long long height, std::size_t most_pixels, const fs::path& file) {
   const std::string size = std::to_string(width) + " x " + std::to_string(height) + " pixels";
@@ -121,7 +124,7 @@ Result<Texture> read_png(const std::string& bytes, std::size_t most_pixels, cons
   Texture texture{static_cast<int>(width), static_cast<int>(height), {}, {}};
   if (png_get_color_type(reader.png, reader.info) & PNG_COLOR_MASK_ALPHA ||
       png_get_valid(reader.png, reader.info, PNG_INFO_tRNS))
-    texture.note = "its alpha is not shown";
+    texture.note = alpha_note;
   std::vector<std::uint16_t> codes(3 * width * height);
   for (std::size_t j = 0; j < height; ++j)
     reader.rows.push_back(reinterpret_cast<png_bytep>(codes.data() + 3 * width * j));
@@ -147,8 +150,7 @@ Result<std::array<std::string, 3>> exr_channels(const Imf::Header& header, const
   return names;
 }
 
-Status check_exr(const Imf::Header& header, std::size_t most_pixels, const fs::path& file) {
-  const Imath::Box2i window = header.dataWindow();
+Status check_window(const Imath::Box2i& window, const char* name, std::size_t most_pixels, const fs::path& file) {
   const auto side = [](int low, int high) { return static_cast<long long>(high) - low + 1; };
   if (const Status good =
           check_size(side(window.min.x, window.max.x), side(window.min.y, window.max.y), most_pixels, file);
@@ -157,12 +159,59 @@ Status check_exr(const Imf::Header& header, std::size_t most_pixels, const fs::p
   // Beyond this the library's own addresses of pixels overflow.
   constexpr int farthest = 1 << 20;
   if (window.min.x < -farthest || window.min.x > farthest || window.min.y < -farthest || window.min.y > farthest)
-    return fail("has its data window too far from the origin", file.string(), "let it begin at (0, 0)");
+    return fail("has its " + std::string(name) + " window too far from the origin", file.string(),
+                "let it begin at (0, 0)");
+  return {};
+}
+
+Status check_exr(const Imf::Header& header, std::size_t most_pixels, const fs::path& file) {
+  for (const auto& [window, name] : {std::pair(header.dataWindow(), "data"), {header.displayWindow(), "display"}})
+    if (const Status good = check_window(window, name, most_pixels, file); !good) return good;
+  if (!header.dataWindow().intersects(header.displayWindow()))
+    return fail("has its data window outside of its display window", file.string(), again);
   constexpr unsigned int largest_tile = 1024;
   if (header.hasTileDescription() &&
       (header.tileDescription().xSize > largest_tile || header.tileDescription().ySize > largest_tile))
     return fail("has tiles of more than 1024 pixels a side", file.string(), "write scanlines");
   return {};
+}
+
+/// R, G and B of the data window's pixels. May throw what OpenEXR throws.
+std::vector<float> read_pixels(Imf::InputFile& input, const std::array<std::string, 3>& names) {
+  const Imath::Box2i window = input.header().dataWindow();
+  const auto width = static_cast<std::size_t>(window.max.x - window.min.x + 1);
+  const auto height = static_cast<std::size_t>(window.max.y - window.min.y + 1);
+  std::vector<float> rgb(3 * width * height);
+  constexpr std::size_t x_stride = 3 * sizeof(float);
+  const bool grey = names[1] == names[0];
+  Imf::FrameBuffer pixels;
+  for (std::size_t c = 0; c < (grey ? 1U : 3U); ++c)
+    pixels.insert(names[c], Imf::Slice::Make(Imf::FLOAT, rgb.data() + c, window, x_stride, x_stride * width));
+  input.setFrameBuffer(pixels);
+  input.readPixels(window.min.y, window.max.y);
+  for (std::size_t i = 0; grey && i < rgb.size(); i += 3) rgb[i + 1] = rgb[i + 2] = rgb[i];
+  return rgb;
+}
+
+/// The display window is the picture: pixels of the data window stand in it where the file says, and 0 around them.
+Texture placed(std::vector<float> rgb, const Imath::Box2i& data, const Imath::Box2i& display) {
+  Texture texture{display.max.x - display.min.x + 1, display.max.y - display.min.y + 1, {}, {}};
+  if (data == display) {
+    texture.rgb = std::move(rgb);
+    return texture;
+  }
+  texture.rgb.resize(std::size_t{3} * static_cast<std::size_t>(texture.width_px) *
+                     static_cast<std::size_t>(texture.height_px));
+  const Imath::Box2i both(Imath::V2i(std::max(data.min.x, display.min.x), std::max(data.min.y, display.min.y)),
+                          Imath::V2i(std::min(data.max.x, display.max.x), std::min(data.max.y, display.max.y)));
+  const auto at = [](const Imath::Box2i& window, int x, int y) {
+    return 3 * (static_cast<std::ptrdiff_t>(y - window.min.y) * (window.max.x - window.min.x + 1) + x - window.min.x);
+  };
+  for (int y = both.min.y; y <= both.max.y; ++y)
+    std::copy_n(rgb.begin() + at(data, both.min.x, y), 3 * (both.max.x - both.min.x + 1),
+                texture.rgb.begin() + at(display, both.min.x, y));
+  if (both != display) texture.note = "it is black where its data window ends before its display window";
+  return texture;
 }
 
 /// May throw what OpenEXR throws.
@@ -185,21 +234,9 @@ Result<Texture> read_exr(const std::string& bytes, std::size_t most_pixels, cons
   Imf::StdISStream stream;
   stream.str(bytes);
   Imf::InputFile input(stream, 0);
-  const Imath::Box2i window = header.dataWindow();
-  Texture texture{window.max.x - window.min.x + 1, window.max.y - window.min.y + 1, {}, {}};
-  if (header.channels().findChannel("A")) texture.note = "its alpha is not shown";
-  texture.rgb.resize(std::size_t{3} * static_cast<std::size_t>(texture.width_px) *
-                     static_cast<std::size_t>(texture.height_px));
-  constexpr std::size_t x_stride = 3 * sizeof(float);
-  const std::size_t y_stride = x_stride * static_cast<std::size_t>(texture.width_px);
-  const bool grey = (*names)[1] == (*names)[0];
-  Imf::FrameBuffer pixels;
-  for (std::size_t c = 0; c < (grey ? 1U : 3U); ++c)
-    pixels.insert((*names)[c], Imf::Slice::Make(Imf::FLOAT, texture.rgb.data() + c, window, x_stride, y_stride));
-  input.setFrameBuffer(pixels);
-  input.readPixels(window.min.y, window.max.y);
-  for (std::size_t i = 0; grey && i < texture.rgb.size(); i += 3)
-    texture.rgb[i + 1] = texture.rgb[i + 2] = texture.rgb[i];
+  Texture texture = placed(read_pixels(input, *names), header.dataWindow(), header.displayWindow());
+  if (header.channels().findChannel("A"))
+    texture.note = texture.note.empty() ? alpha_note : alpha_note + std::string("; ") + texture.note;
   for (std::size_t i = 0; i < texture.rgb.size(); ++i)
     if (!(texture.rgb[i] >= 0 && std::isfinite(texture.rgb[i])))
       return fail("pixel " + std::to_string(i / 3) + " is negative or not finite", file.string(), again);

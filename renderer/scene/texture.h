@@ -13,7 +13,7 @@ namespace lumifield {
 struct Texture {
   int width_px = 0, height_px = 0;
   std::vector<float> rgb;
-  std::string note;  ///< what of the file is not taken; empty when all is
+  std::string note;  ///< what of the file is not shown, or not there; empty when all is
 };
 
 constexpr int max_texture_px = 16384;
@@ -24,10 +24,12 @@ constexpr std::size_t max_texture_pixels = std::size_t{1} << 26;
 bool is_texture_file(const std::filesystem::path& file);
 
 /// Reads PNG (of all kinds; sRGB, unless the file gives a gamma of its own) and OpenEXR (one part, R, G
-/// and B or Y, linear). Alpha is left out.
+/// and B or Y, linear). Alpha is left out. The picture of an OpenEXR file is its display window: where the data window
+/// ends before it, as of a picture that was cropped to what it shows, it is 0, which is noted; what goes beyond is cut.
 ///
-/// Errors: a file that cannot be read to its end, a side over max_texture_px or more than `most_pixels` (checked
-/// before memory is taken), values of an OpenEXR file that are negative or not finite. Reentrant.
+/// Errors: a file that cannot be read to its end, a side over max_texture_px or more than `most_pixels`, of either
+/// window (checked before memory is taken), windows that share no pixel, values of an OpenEXR file that are negative or
+/// not finite. Reentrant.
 Result<Texture> read_texture(const std::filesystem::path& file, std::size_t most_pixels = max_texture_pixels);
 
 }  // namespace lumifield

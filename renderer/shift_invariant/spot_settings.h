@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <string_view>
+
 namespace lumifield {
 
 /// How a cell's image is averaged over the support of its basis, as a receiver sees it.
@@ -8,6 +11,9 @@ namespace lumifield {
 /// textured: one trilinear look-up at the support's centre, as graphics hardware has it, at the level of detail whose
 /// own blur is as wide (spot_images.h). A cheap variant that has a bias.
 enum class SpotLookUp { weighted, textured };
+/// "weighted", "textured": in options, files and the window.
+std::string_view to_string(SpotLookUp look_up);
+std::optional<SpotLookUp> spot_look_up_from_string(std::string_view name);
 
 /// What passes are added up in.
 ///

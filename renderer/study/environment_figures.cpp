@@ -69,13 +69,13 @@ double one_thread_ms(const std::vector<Vec3>& normals, const Radiance& radiance)
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Of filtered pictures by so many seeds: what noise is in one is gone from it, the filter's bias is not.
+/// Of pictures by so many seeds: what noise is in one is gone from it, the filter's bias is not.
 Result<Picture> mean_picture(const EnvironmentLight& environment, const std::vector<Vec3>& seen, const GlossLobe& lobe,
                              int samples, const Told& told) {
   std::vector<double> sum(3 * seen.size());
   Result<Picture> picture;
   for (std::uint32_t seed = 1; seed <= bias_seeds; ++seed) {
-    const EnvironmentLight light = environment.with({samples, true, seed});
+    const EnvironmentLight light = environment.with(samples, seed);
     picture = picture_of(
         seen, [&](const Vec3& n) { return light.gloss(lobe, n); }, told);
     if (!picture) return picture;
@@ -88,8 +88,7 @@ Result<Picture> mean_picture(const EnvironmentLight& environment, const std::vec
 /// The rows of one environment.
 class Sphere {
  public:
-  Sphere(const LatLong& environment, const StudyProgress& progress)
-      : environment_(environment), progress_(progress), lit_(environment, 1) {}
+  Sphere(const LatLong& environment, const StudyProgress& progress) : environment_(environment), progress_(progress) {}
 
   Status judge(const Surface& surface) {
     surface_ = &surface;
@@ -111,7 +110,7 @@ class Sphere {
 
  private:
   Status judge(int samples, bool filter) {
-    const EnvironmentLight light = lit_.with({samples, filter});
+    const EnvironmentLight light = (filter ? filtered_ : plain_).with(samples, 1);
     const Radiance gloss = [&](const Vec3& n) { return light.gloss(lobe_, n); };
     const auto picture = picture_of(seen_, gloss, told_);
     if (!picture) return tl::unexpected(picture.error());
@@ -125,7 +124,7 @@ class Sphere {
     add("Fig. 20-8", "relative RMSE", relative_rmse(*picture, reference_));
     add("Fig. 20-9", "time of a picture, one thread, ms", one_thread_ms(seen_, gloss));
     if (!filter) return {};
-    const auto mean = mean_picture(lit_, seen_, lobe_, samples, told_);
+    const auto mean = mean_picture(filtered_, seen_, lobe_, samples, told_);
     if (!mean) return tl::unexpected(mean.error());
     add("Fig. 20-8", "bias of the filter, relative RMSE", relative_rmse(*mean, reference_));
     return {};
@@ -133,7 +132,7 @@ class Sphere {
 
   const LatLong& environment_;
   const StudyProgress& progress_;
-  const EnvironmentLight lit_;
+  const EnvironmentLight filtered_{environment_, 1, {.filter = true}}, plain_{environment_, 1, {.filter = false}};
   const std::vector<LobePoint> points_ = environment_reference_points(reference_samples);
   const Vec3 eye_ = Vec3(1, -0.4, 0.35).normalized();
   const std::vector<Vec3> seen_ = normals(eye_);

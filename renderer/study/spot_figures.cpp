@@ -51,7 +51,7 @@ class HallFolder {
     constexpr const char* remedy = "make room, or set TMPDIR to a folder to write to";
     std::error_code wrong;
     const std::filesystem::path place = std::filesystem::temp_directory_path(wrong);
-    if (wrong) return fail("no place for a hall's files: " + wrong.message(), place.string(), remedy);
+    if (wrong) return fail("cannot be used: " + wrong.message(), "the folder for temporary files", remedy);
     std::string path = (place / "lumifield_hall_XXXXXX").string();
     if (!mkdtemp(path.data())) return fail("cannot be made: " + std::generic_category().message(errno), path, remedy);
     std::unique_ptr<HallFolder> folder(new HallFolder(path));

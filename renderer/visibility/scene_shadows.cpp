@@ -115,8 +115,8 @@ Status SceneShadows::see(const std::vector<ScenePlacement>& placements, const Lu
 
   const std::size_t floats = p_xyzw.size() / placements.size();
   std::vector<RayVisibility> rays;
-  if (const Status fits = check_view_memory("shadows", floats / 4, placements.size(),
-                                            visibility_bytes(geometry, visibility), memory_bytes_);
+  if (const Status fits = check_view_memory(
+          "shadows", {floats / 4, placements.size(), visibility_bytes(geometry, visibility)}, memory_bytes_);
       !fits)
     return fits;
   for (std::size_t k = 0; k < placements.size(); ++k) {

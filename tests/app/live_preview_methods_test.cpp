@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <thread>
 
+#include "app/session/preview_worker.h"
 #include "tests/app/live_preview_fixture.h"
 
 namespace lumifield {
@@ -94,6 +95,27 @@ TEST_F(LivePreviewTest, AnEnvironmentIsSwitchedWithoutSummingAnew) {
   EXPECT_FALSE(without->environment);
   expect_same(*without->radiance, *off->radiance);
   EXPECT_TRUE(told_.errors().empty());
+}
+
+TEST_F(LivePreviewTest, ASceneThatIsTakenAtTheEndIsLetGoOf) {
+  Picture sky{64, 32, std::vector<float>(3 * 64 * 32, 2.0F), std::vector<float>(64 * 32, 1.0F), {}};
+  ASSERT_TRUE(write_exr(sky, folder_ / "sky.exr"));
+  scene_.environment = folder_ / "sky.exr";
+  int ready = 0;
+  std::stop_source end;
+  PreviewWorker worker(
+      {nullptr, [&](const RendererInfo&) { ++ready; }, [](const Error& error) { ADD_FAILURE() << error.message(); }},
+      {}, end.get_token());
+  const auto take_scene = [&] {
+    PreviewCommands commands;
+    commands.scene = scene_;
+    worker.take(std::move(commands));
+  };
+  take_scene();
+  EXPECT_EQ(ready, 1);
+  end.request_stop();
+  take_scene();
+  EXPECT_EQ(ready, 1) << "no map was made of it";
 }
 
 /// Minutes of a coarse picture of a camera that moves, in bands of receivers of a second or so.

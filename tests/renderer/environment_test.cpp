@@ -1,6 +1,7 @@
 // An environment: its maps, its harmonics, and what surfaces reflect of it, against plain sums over its image.
 #include <cmath>
 #include <filesystem>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <numbers>
 #include <random>
@@ -97,6 +98,24 @@ TEST(LatLong, IsReadFromAFileOfItsShape) {
   EXPECT_FALSE(LatLong::read(file));
 }
 
+TEST(LatLong, OfACroppedFileLooksWhereItsDisplayWindowSays) {
+  const auto file = std::filesystem::temp_directory_path() / ("sky-" + std::to_string(getpid()) + ".exr");
+  support::ExrFile exr(1, 1);
+  exr.display_window = {{0, 0}, {15, 7}};
+  exr.data_window = {{12, 1}, {13, 1}};  // itself twice as wide as high
+  exr.channels["Y"] = Imf::FLOAT;
+  exr.pixels["Y"] = {3, 5};
+  exr.write(file);
+  const auto read = LatLong::read(file);
+  std::filesystem::remove(file);
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_EQ(read->width_px(), 16);
+  EXPECT_EQ(read->radiance(read->direction(12.5, 1.5))[0], 3);
+  EXPECT_EQ(read->radiance(read->direction(13.5, 1.5))[0], 5);
+  EXPECT_EQ(read->radiance(Vec3(0, 1, 0))[0], 0);
+  EXPECT_EQ(read->note(), "it is black where its data window ends before its display window");
+}
+
 TEST(DualParaboloid, TexelsSpanWhatTheMappingSays) {
   // The four corners of a texel span Ω_p, and its own half adds up to a half space.
   const DualParaboloid map(made_up());
@@ -112,6 +131,49 @@ TEST(DualParaboloid, TexelsSpanWhatTheMappingSays) {
   EXPECT_NEAR(all, 2 * pi, 0.01 * 2 * pi);
   EXPECT_DOUBLE_EQ(map.level(4 * map.texel_solid_angle(0.3), 0.3), 1 + DualParaboloid::overlap);
   EXPECT_DOUBLE_EQ(map.level(1e-9, 0.3), DualParaboloid::overlap);
+}
+
+/// Random light without any symmetry.
+LatLong speckled(int height) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform;
+  return painted(height, [&](const Vec3&) { return std::array{uniform(random), uniform(random), uniform(random)}; });
+}
+
+TEST(DualParaboloid, TexelsAreTheMeansOfWhatTheySee) {
+  const LatLong image = speckled(64);
+  const DualParaboloid map(image);
+  constexpr double b = DualParaboloid::b;
+  ASSERT_EQ(map.side_px(), 128);
+  const auto direction = [](double s, double t, int half) {
+    const double x = 2 * b * (s - 0.5), y = 2 * b * (t - 0.5), r2 = x * x + y * y;
+    return Vec3(Vec3(2 * x, 2 * y, half == 0 ? 1 - r2 : r2 - 1) / (1 + r2));
+  };
+  int seen = 0;
+  for (int k = 0; k < 2 * 128 * 128; ++k) {
+    const int column = k % 128, row = k / 128 % 128, half = k / (128 * 128);
+    const Vec3 middle = direction((column + 0.5) / 128, (row + 0.5) / 128, half);
+    if (half == 0 ? middle.z() < 0 : middle.z() >= 0) continue;  // looked up in the other half
+    if (column == row || column + row == 127) continue;          // on the edge of two pixels, either of which will do
+    double sum = 0, all = 0;
+    for (int point = 0; point < 9; ++point) {
+      const Vec3 d = direction((column + (point % 3 + 0.5) / 3) / 128, (row + (point / 3 + 0.5) / 3) / 128, half);
+      const double z = half == 0 ? d.z() : -d.z(), part = (1 + z) * (1 + z);
+      sum += part * image.radiance(d)[1];
+      all += part;
+    }
+    EXPECT_NEAR(map.radiance(middle, 0)[1], sum / all, 2e-5) << column << ' ' << row << ' ' << half;
+    ++seen;
+  }
+  EXPECT_GT(seen, 2 * 128 * 128 / 2);
+}
+
+TEST(DualParaboloid, IsNotMadeOnceToldToStop) {
+  const LatLong image = made_up(16);
+  std::stop_source end;
+  EXPECT_TRUE(DualParaboloid::make(image, end.get_token()));
+  end.request_stop();
+  EXPECT_FALSE(DualParaboloid::make(image, end.get_token()));
 }
 
 TEST(DualParaboloid, ShowsTheEnvironmentAtEveryLevelAndAcrossTheSeam) {
@@ -163,6 +225,64 @@ TEST(IrradianceHarmonics, AreOrthonormalAndOfAFirstDegreeExact) {
                               }),
                   a == b ? 1 : 0, 2e-3);
   for (const Vec3& n : directions(20)) EXPECT_NEAR(IrradianceHarmonics(even).irradiance(n)[1], pi, 1e-3);
+}
+
+/// Each pixel repeated, `times` an axis: the same light.
+LatLong repeated(const LatLong& image, int times) {
+  const LatLong empty(image.width_px() * times, image.height_px() * times, {});
+  std::vector<float> rgb;
+  for (int j = 0; j < empty.height_px(); ++j)
+    for (int i = 0; i < empty.width_px(); ++i)
+      for (const double each : image.pixel(i / times, j / times)) rgb.push_back(static_cast<float>(each));
+  return {empty.width_px(), empty.height_px(), std::move(rgb)};
+}
+
+TEST(IrradianceHarmonics, OfFewPixelsAreThoseOfTheSameLightOnMany) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform;
+  for (const int height : {1, 2, 4}) {
+    std::vector<float> rgb(6 * static_cast<std::size_t>(height * height), 1.0F);
+    for (const Vec3& n : directions(20))
+      EXPECT_NEAR(IrradianceHarmonics(LatLong(2 * height, height, rgb)).irradiance(n)[1], pi, 1e-12) << height;
+    for (float& each : rgb) each = uniform(random);
+    const LatLong few(2 * height, height, rgb), many = repeated(few, 128 / height);
+    const IrradianceHarmonics harmonics(few);
+    for (const Vec3& n : directions(20)) {
+      EXPECT_NEAR(harmonics.irradiance(n)[1], IrradianceHarmonics(many).irradiance(n)[1], 1e-12) << height;
+      // By the definition, Y at the middle of each of many pixels.
+      double wanted = 0;
+      for (std::size_t k = 0; k < 9; ++k)
+        wanted += (k == 0  ? pi
+                   : k < 4 ? 2 * pi / 3
+                           : pi / 4) *
+                  IrradianceHarmonics::basis(n)[k] * over_pixels(many, [&](const auto& light, const Vec3& d) {
+                    return light[1] * IrradianceHarmonics::basis(d)[k];
+                  });
+      EXPECT_NEAR(harmonics.irradiance(n)[1], wanted, 3e-4 * pi) << height;
+    }
+  }
+}
+
+TEST(IrradianceHarmonics, OfASmallSourceAreOffAsStated) {
+  std::vector<float> rgb(3 * 256 * 128, 0.0F);
+  rgb[3 * (70 * 256 + 30) + 1] = 1;
+  const LatLong image(256, 128, rgb);
+  const IrradianceHarmonics harmonics(image);
+  const Vec3 source = image.direction(30.5, 70.5);
+  Vec3 across, along;
+  frame_about(source, across, along);
+  double least = 1, most = -1, lowest = 1;
+  for (int degrees = 0; degrees <= 180; ++degrees) {
+    const double cosine = std::cos(degrees * pi / 180), sine = std::sin(degrees * pi / 180);
+    const double e = harmonics.irradiance(cosine * source + sine * across)[1] / image.solid_angle(70);
+    EXPECT_NEAR(e, 0.25 + cosine / 2 + 5.0 / 32 * (3 * cosine * cosine - 1), 1e-3) << degrees;
+    least = std::min(least, e - std::max(0.0, cosine));
+    most = std::max(most, e - std::max(0.0, cosine));
+    lowest = std::min(lowest, e);
+  }
+  EXPECT_NEAR(least, -0.04, 0.001);
+  EXPECT_NEAR(most, 0.094, 0.001);
+  EXPECT_NEAR(lowest, -0.04, 0.001);
 }
 
 TEST(IrradianceHarmonics, AreNearTheIrradiance) {
@@ -226,6 +346,59 @@ TEST(EnvironmentLight, FewFilteredSamplesAreNearerThanPlainOnes) {
       }
       EXPECT_LT(with, 0.5 * without) << kind << ' ' << samples;
     }
+}
+
+TEST(EnvironmentLight, ByOtherSamplesIsAsIfMadeOfThem) {
+  const LatLong image = made_up(32);
+  const Vec3 n(0, 0, 1);
+  const GlossLobe lobe = lobe_of(LOBE_PHONG, 20, Vec3(0.6, 0, 0.8));
+  for (const bool filter : {true, false}) {
+    const EnvironmentLight few(image, 2, {10, filter, 1}), many(image, 2, {300, filter, 4});
+    EXPECT_NE(few.gloss(lobe, n), many.gloss(lobe, n));
+    EXPECT_EQ(few.with(300, 4).gloss(lobe, n), many.gloss(lobe, n));
+  }
+}
+
+TEST(EnvironmentLight, IsReadWithItsMapUnlessToldToStop) {
+  const auto file = std::filesystem::temp_directory_path() / ("sky-" + std::to_string(getpid()) + ".exr");
+  support::ExrFile exr(8, 4);
+  exr.channels["Y"] = Imf::FLOAT;
+  exr.pixels["Y"].assign(32, 2.0F);
+  exr.write(file);
+  std::stop_source end;
+  const auto light = EnvironmentLight::read(file, 1, {}, end.get_token());
+  ASSERT_TRUE(light) << light.error().message();
+  const Vec3 n(0, 0, 1);
+  EXPECT_NEAR((*light)->gloss(lobe_of(LOBE_PHONG, 20, n), n)[0], 2 * 0.5, 1e-2);
+  end.request_stop();
+  const auto stopped = EnvironmentLight::read(file, 1, {}, end.get_token());
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().kind, ErrorKind::stopped);
+  EXPECT_TRUE(EnvironmentLight::read(file, 1, {.filter = false}, end.get_token())) << "there is no map to be made";
+  std::filesystem::remove(file);
+}
+
+TEST(EnvironmentLight, SaysWhatItDoesNotShowOfItsFile) {
+  const auto file = std::filesystem::temp_directory_path() / ("sky-" + std::to_string(getpid()) + ".exr");
+  const auto notes = [&](int width, bool alpha, bool filter) {
+    support::ExrFile exr(width, width / 2);
+    for (const char* name : {"Y", "A"}) {
+      if (name[0] == 'A' && !alpha) continue;
+      exr.channels[name] = Imf::HALF;
+      exr.pixels[name].assign(static_cast<std::size_t>(width * width / 2), 1.0F);
+    }
+    exr.write(file);
+    const auto light = EnvironmentLight::read(file, 1, {.filter = filter});
+    return light ? (*light)->notes() : std::vector{light.error().message()};
+  };
+  EXPECT_THAT(notes(8, false, true), testing::IsEmpty());
+  EXPECT_THAT(notes(8, true, true), testing::ElementsAre(file.string() + ": its alpha is not shown"));
+  EXPECT_THAT(notes(2680, false, true), testing::IsEmpty());
+  EXPECT_THAT(
+      notes(3000, false, true),
+      testing::ElementsAre(file.string() + ": its pixels span 0.12°, but gloss reflects it in texels of up to 0.13°"));
+  EXPECT_THAT(notes(3000, false, false), testing::IsEmpty()) << "it reflects the pixels";
+  std::filesystem::remove(file);
 }
 
 TEST(EnvironmentLight, OfAnEyeBelowTheSurfaceOrADullOneDoesNotShine) {

@@ -138,6 +138,12 @@ TEST(LobeDistribution, OfAnEyeBelowTheSurfaceHasNoWeight) {
   }
 }
 
+TEST(LobePoints, ThatJudgeAreManyMoreButNotWithoutEnd) {
+  for (const auto& [n, many] :
+       {std::pair(1, 4096), {256, 4096}, {300, 4800}, {4096, 65536}, {60'000, 65536}, {100'000, 100'000}})
+    EXPECT_EQ(judging_points(n).size(), many) << n;
+}
+
 TEST(LobePoints, AreSpreadEvenlyAndUniformOverSeeds) {
   std::vector<double> first(16, 0.0);
   const std::vector<double> expected(16, 500.0);

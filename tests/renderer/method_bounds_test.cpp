@@ -4,6 +4,8 @@
 
 #include "renderer/methods/device_method.h"
 #include "renderer/methods/host_method.h"
+#include "renderer/methods/lobe_sampling.h"
+#include "renderer/methods/mis.h"
 #include "renderer/methods/table_memory.h"
 #include "renderer/renderer.h"
 #include "renderer/study/synthetic_luminaire.h"
@@ -57,6 +59,51 @@ TEST(MethodBounds, TablesTakeNoMoreMemoryThanTheyMay) {
     settings.memory_bytes = 10000;
     for (const std::string& what : refusals(field, settings))
       EXPECT_TRUE(what.ends_with(" MB, more than the 0.01 MB that they may")) << to_string(method) << ": " << what;
+  }
+}
+
+TEST(MethodBounds, TablesOfDirectionsCountWithTheOthers) {
+  const LightField field = make_luminaire({.name = "small", .columns = 4, .rows = 3, .pixels = 64, .pixel_mm = 2});
+  for (const Method method : {Method::filtered_brdf, Method::mis})
+    for (const PointSequence sequence : {PointSequence::halton, PointSequence::twister}) {
+      MethodSettings settings{.method = method, .samples = 1e4, .sequence = sequence, .memory_bytes = 2e7};
+      for (const std::string& what : refusals(field, settings)) EXPECT_EQ(what, "taken") << to_string(method);
+      settings.samples = 1e6;
+      for (const std::string& what : refusals(field, settings))
+        EXPECT_TRUE(what.ends_with(" MB, more than the 20 MB that they may")) << to_string(method) << ": " << what;
+    }
+}
+
+TEST(MethodBounds, DirectionsTake32BytesEachAndTheTwisterHasFourTables) {
+  const auto bytes = [](Method method, double samples, PointSequence sequence) {
+    return lobe_table_bytes({.method = method, .samples = samples, .sequence = sequence});
+  };
+  EXPECT_EQ(bytes(Method::filtered_brdf, most_samples, PointSequence::halton), 640e6);
+  EXPECT_EQ(bytes(Method::filtered_brdf, most_samples, PointSequence::twister), 4 * 640e6);
+  EXPECT_EQ(bytes(Method::position_dependent, most_samples, PointSequence::halton), 0);
+  const MisCounts counts = mis_counts(most_samples);
+  EXPECT_EQ(bytes(Method::mis, most_samples, PointSequence::halton),
+            32.0 * counts.diffuse + 32.0 * counts.wide + 32.0 * counts.narrow);
+  for (const PointSequence sequence : {PointSequence::halton, PointSequence::twister})
+    for (const int n : {1, 100, 5000})
+      EXPECT_EQ(lobe_points(sequence, n, 1, LobeDraws::glossy).size(), lobe_table(sequence, n));
+}
+
+TEST(MethodBounds, MoreSamplesThanThereIsMemoryForAreRefusedBeforeTheirTable) {
+  if (const auto found = probe_opencl(); !found) GTEST_SKIP() << found.error().message();
+  const LightField field = make_luminaire({.name = "small", .columns = 4, .rows = 3, .pixels = 64, .pixel_mm = 2});
+  for (const Method method : {Method::filtered_brdf, Method::mis}) {
+    const auto device =
+        make_device_method(field.geometry(), {.method = method, .samples = 100, .memory_bytes = 2e7}).value();
+    ASSERT_TRUE(device->set_cells(field));
+    ASSERT_TRUE(device->set_receivers(std::vector<Receiver>{{{0, 0, 140}, {0, 0, -1}}}));
+    ASSERT_TRUE(device->set_samples(1e6, 1));
+    const auto refused = device->evaluate(HUGE_VAL);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().what.find("more than the 20 MB"), std::string::npos) << refused.error().what;
+    EXPECT_NE(refused.error().remedy.find("fewer samples"), std::string::npos);
+    ASSERT_TRUE(device->set_samples(100, 1));
+    EXPECT_TRUE(device->evaluate(HUGE_VAL).value());
   }
 }
 

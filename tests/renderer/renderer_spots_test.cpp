@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "renderer/methods/device_method.h"
+#include "renderer/methods/table_memory.h"
 #include "renderer/renderer.h"
+#include "renderer/shift_invariant/spot_memory.h"
 #include "renderer/study/synthetic_luminaire.h"
 #include "tests/support/apart.h"
 
@@ -167,6 +169,26 @@ TEST_F(RendererSpots, EachPlacementHasItsOwnShadows) {
   Picture sum = first;
   for (std::size_t k = 0; k < sum.rgb.size(); ++k) sum.rgb[k] += second.rgb[k];
   EXPECT_LT(apart(both, sum), 1e-6);
+}
+
+TEST_F(RendererSpots, MapsOfMoreLuminairesThanThereIsMemoryForAreRefusedBeforeAnyIsMade) {
+  MethodSettings settings = spots;
+  settings.spots.shadow_map_px = 4096;
+  const double maps = spot_memory(field_.geometry(), settings.spots, true, false).maps;
+  const auto made = renderer(settings);
+  const std::vector<ScenePlacement> many(static_cast<std::size_t>(host_memory_bytes() / 2 / maps) + 1,
+                                         scene_.luminaires[0]);
+  ASSERT_TRUE(made->set_placements(many));
+  const Status refused = made->hand_over();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().where, "receivers");
+  EXPECT_THAT(refused.error().what, HasSubstr(std::to_string(many.size()) + " luminaires take"));
+  ASSERT_TRUE(made->set_visibility(Visibility::none));
+  EXPECT_TRUE(made->hand_over()) << "without shadows there are none";
+  ASSERT_TRUE(made->set_visibility(Visibility::tile));
+  ASSERT_TRUE(made->set_placements({scene_.luminaires[0]}));
+  EXPECT_TRUE(made->hand_over());
+  EXPECT_EQ(made->shadow_maps_made(), 0);
 }
 
 /// Each has a context of its own; which is current is nothing that the others rely on.

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
+#include "renderer/environment/environment_light.h"
 #include "renderer/methods/table_memory.h"
 #include "tests/support/exr_file.h"
 #include "tests/support/renderer_fixture.h"
@@ -199,7 +200,7 @@ TEST_F(RendererTest, ALevelOfDetailIsPartOfTheView) {
 
 TEST_F(RendererTest, AnEnvironmentLightsTheSceneUnderAnyMethod) {
   support::ExrFile sky(64, 32);
-  for (const char* name : {"R", "G", "B"}) {
+  for (const char* name : {"R", "G", "B", "A"}) {
     sky.channels[name] = Imf::FLOAT;
     for (int k = 0; k < 64 * 32; ++k) sky.pixels[name].push_back(k < 64 * 16 ? 3.0F : 0.0F);
   }
@@ -207,10 +208,13 @@ TEST_F(RendererTest, AnEnvironmentLightsTheSceneUnderAnyMethod) {
   const LightField field = light_field_of(geometry_of({"Y"}));
   const Picture without = fresh(scene_, field);
   EXPECT_FALSE(renderer_of(scene_, field.geometry())->set_environment(true)) << "there is none";
+  EXPECT_FALSE(renderer_of(scene_, field.geometry())->info().has_environment);
   scene_.environment = folder_ / "sky.exr";
   scene_.environment_scale = 0.5;
   auto renderer = renderer_of(scene_, field.geometry());
   EXPECT_TRUE(renderer->environment());
+  EXPECT_TRUE(renderer->info().has_environment);
+  EXPECT_THAT(renderer->info().notes, Contains(HasSubstr("sky.exr: its alpha is not shown")));
   EXPECT_THAT(renderer->info().left_out, HasSubstr("what hides the environment"));
   ASSERT_TRUE(renderer->add_all(field));
   for (const Method method : {Method::closed_form, Method::uniform_box}) {
@@ -243,8 +247,67 @@ TEST_F(RendererTest, AnEnvironmentLightsTheSceneUnderAnyMethod) {
   from_above.up = {0, 1, 0};
   ASSERT_TRUE(renderer->set_view(from_above, width, height));
   EXPECT_TRUE(renderer->picture());
+  std::stop_source end;
+  end.request_stop();
+  const auto stopped = Renderer::create(scene_, width, height, end.get_token());
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().kind, ErrorKind::stopped);
   scene_.environment = folder_ / "no.exr";
   EXPECT_THAT(Renderer::create(scene_, width, height).error().message(), HasSubstr("no.exr"));
+}
+
+/// One lamp off every axis in an environment, a floor that mirrors it about there, seen obliquely.
+TEST_F(RendererTest, EveryPixelReflectsTheEnvironmentFromWhereItShines) {
+  const Vec3 mirrored_at(-400, 0, 0), to_eye = (scene_.camera.position_mm - mirrored_at).normalized();
+  const Vec3 source(-to_eye.x(), -to_eye.y(), to_eye.z());
+  support::ExrFile sky(128, 64);
+  std::vector<float> rgb(3 * 128 * 64, 0.1F);
+  const auto [column, row] = LatLong(128, 64, rgb).pixel_at(source);
+  for (std::size_t c = 0; c < 3; ++c) {
+    rgb[static_cast<std::size_t>(3 * (row * 128 + column)) + c] = 300.0F + 100.0F * static_cast<float>(c);
+    const std::string name(1, "RGB"[c]);
+    sky.channels[name] = Imf::FLOAT;
+    for (std::size_t k = c; k < rgb.size(); k += 3) sky.pixels[name].push_back(rgb[k]);
+  }
+  sky.write(folder_ / "sky.exr");
+  scene_.environment = folder_ / "sky.exr";
+  scene_.environment_scale = 0.5;
+  scene_.materials["floor"] = {.specular = {{0.3, 0.2, 0.1}}, .exponent = 200};
+  const LightField field = light_field_of(geometry_of({"Y"}));
+  auto renderer = renderer_of(scene_, field.geometry());
+  ASSERT_TRUE(renderer->add_all(field));
+  const Picture on = *renderer->picture();
+  ASSERT_TRUE(renderer->set_environment(false));
+  const Picture off = *renderer->picture();
+
+  const EnvironmentLight light(LatLong(128, 64, rgb), 0.5);
+  const auto mesh = read_mesh(scene_.mesh, scene_.materials);
+  auto context = EglContext::create();
+  const auto g = (*GBufferPass::create(**context, *mesh))->draw(scene_.camera, width, height);
+  double brightest = 0;
+  Vec3 brightest_at(0, 0, 0);
+  int walls = 0;
+  for (std::size_t i = 0; i < on.coverage.size(); ++i) {
+    if (on.coverage[i] == 0) continue;
+    const Vec3 p(g->position[4 * i], g->position[4 * i + 1], g->position[4 * i + 2]);
+    const Vec3 n(g->normal[4 * i], g->normal[4 * i + 1], g->normal[4 * i + 2]);
+    const Material& m = mesh->materials[static_cast<std::size_t>(g->normal[4 * i + 3])];
+    const Eigen::Vector3f o = (scene_.camera.position_mm - p).normalized().cast<float>();
+    const auto gloss =
+        light.gloss({o.x(), o.y(), o.z(), m.shape, m.specular[0], m.specular[1], m.specular[2], m.lobe}, n);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double wanted = m.diffuse[c] / std::numbers::pi * light.irradiance(n)[c] + gloss[c];
+      EXPECT_NEAR(on.rgb[3 * i + c] - off.rgb[3 * i + c], wanted, 1e-4 * (1 + wanted)) << i << ' ' << c;
+    }
+    if (m.lobe == LOBE_NONE) ++walls;
+    if (gloss[1] > brightest) {
+      brightest = gloss[1];
+      brightest_at = p;
+    }
+  }
+  EXPECT_GT(walls, 20);
+  EXPECT_GT(brightest, 1);
+  EXPECT_LT((brightest_at - mirrored_at).norm(), 100) << brightest_at.transpose();
 }
 
 TEST_F(RendererTest, ReceiversThatDoNotFitIntoMemoryAreRefusedBeforeAnyIsTaken) {

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
+#include "renderer/methods/gloss.h"
+
 namespace lumifield {
 namespace {
 
@@ -116,11 +118,71 @@ TEST(Shading, AddsAnEnvironment) {
   EXPECT_EQ(picture.rgb[8], 0);
 }
 
+TEST(Shading, SeesAnEnvironmentsSourceWhereItStands) {
+  // One source off every axis; a Phong pixel, its normal tilted, seen obliquely and about mirrored to it; a diffuse
+  // one.
+  const Vec3 source = Vec3(0.6, -0.3, 0.7).normalized(), n = Vec3(0.2, 0.1, 1).normalized(), p(100, 200, 300);
+  std::vector<float> rgb(3 * 128 * 64, 0.0F);
+  const LatLong empty(128, 64, rgb);
+  const auto [column, row] = empty.pixel_at(source);
+  for (int k = 0; k < 9; ++k)
+    rgb[static_cast<std::size_t>(3 * ((row + k / 3 - 1) * 128 + column + k % 3 - 1) + 1)] = 50;
+  const EnvironmentLight light(LatLong(128, 64, rgb), 2);
+  const Vec3 eye = p + 700 * (2 * n.dot(source) * n - source + Vec3(0.05, 0.1, 0));
+  GBuffer g{2, 1, {}, {}, {}, {}};
+  for (int k = 0; k < 2; ++k) {
+    for (const double each : {p.x(), p.y(), p.z(), 1.0}) g.position.push_back(static_cast<float>(each));
+    for (const double each : {n.x(), n.y(), n.z(), 1.0 * k}) g.normal.push_back(static_cast<float>(each));
+  }
+  const std::vector<Material> materials{
+      {.name = "dull", .diffuse = {0.5F, 0.25F, 0}},
+      {.name = "bright", .diffuse = {0, 0, 0}, .specular = {0.2F, 0.1F, 0.4F}, .lobe = LOBE_PHONG, .shape = 20}};
+  std::vector<float> seen(6);
+  shade_by_environment(g, materials, light, eye, 0, 2, seen);
+
+  const double facing = 2 * 50 * 9 * empty.solid_angle(row);
+  EXPECT_NEAR(seen[1], 0.25 * std::numbers::inv_pi * light.irradiance(n)[1], 1e-6);
+  EXPECT_NEAR(light.irradiance(n)[1], facing * n.dot(source), 0.1 * facing) << "the harmonics' own";
+  const Eigen::Vector3f o = (eye - p).normalized().cast<float>();
+  const GlossLobe lobe{o.x(), o.y(), o.z(), 20, 0.2F, 0.1F, 0.4F, LOBE_PHONG};
+  EXPECT_NEAR(seen[4], light.gloss(lobe, n)[1], 1e-5 * seen[4]);
+  const double there = facing * glossy_brdf(lobe, n, source)[1] * n.dot(source);
+  EXPECT_NEAR(seen[4], there, 0.15 * there) << "by 40 samples";
+  EXPECT_EQ(seen[3] + seen[5], 0);
+}
+
+TEST(Shading, HarmonicsBelowZeroTakeFromTheLuminairesLight) {
+  // A small source at 120° from the normal, by its harmonics −4 % of what it gives a surface that faces it.
+  GBuffer g{1, 1, {0, 0, 0, 1}, {0, 0, 1, 0}, {}, {}};
+  const std::vector<Material> materials{{.name = "dull", .diffuse = {0.5F, 0.25F, 0}}};
+  std::vector<float> rgb(3 * 64 * 32, 0.0F);
+  for (std::size_t c = 0; c < 3; ++c) rgb[3 * (21 * 64 + 40) + c] = 100;
+  const LatLong image(64, 32, rgb);
+  const double facing = 100 * image.solid_angle(21);
+  std::vector<float> light(3);
+  shade_by_environment(g, materials, EnvironmentLight(image, 1), {0, 0, 500}, 0, 1, light);
+  EXPECT_NEAR(light[0], -0.04 * facing * 0.5 * std::numbers::inv_pi, 0.002 * facing);
+  Picture picture{1, 1, std::vector<float>(3), std::vector<float>(1), {}};
+  shade(g, materials, {ScenePlacement{}}, {std::vector<double>{2}, 1}, light, picture);
+  EXPECT_NEAR(picture.rgb[0], 0.5 * 2 * std::numbers::inv_pi + light[0], 1e-6);
+  EXPECT_LT(picture.rgb[0], 0.5 * 2 * std::numbers::inv_pi);
+}
+
 TEST(Shading, SaysWhatIsLeftOut) {
   EXPECT_EQ(left_out(Visibility::none), "shadows, and light from surface to surface");
   EXPECT_EQ(left_out(Visibility::tile), "light from surface to surface");
-  EXPECT_EQ(left_out(Visibility::none, true), "shadows, what hides the environment, and light from surface to surface");
-  EXPECT_EQ(left_out(Visibility::rays, true), "what hides the environment, and light from surface to surface");
+  const std::string around =
+      "the environment behind the scene, what hides the environment, more than nine harmonics of its diffuse light "
+      "(off by −4 to +9 % of a small source's, below 0 about 120° from it), and light from surface to surface";
+  EXPECT_EQ(left_out(Visibility::none, true), "shadows, " + around);
+  EXPECT_EQ(left_out(Visibility::rays, true), around);
+  MethodSettings spots{.method = Method::shift_invariant};
+  EXPECT_EQ(left_out(Visibility::tile, false, spots),
+            "light from surface to surface; where within a cell its light comes from (shift-invariant, weighted)");
+  spots.spots.look_up = SpotLookUp::textured;
+  EXPECT_EQ(left_out(Visibility::none, false, spots),
+            "shadows, and light from surface to surface; where within a cell its light comes from (shift-invariant, "
+            "textured)");
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <png.h>
 
 #include "renderer/scene/mesh.h"
+#include "tests/support/exr_file.h"
 
 namespace lumifield {
 namespace {
@@ -22,6 +23,7 @@ using testing::ElementsAre;
 using testing::FloatNear;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::StartsWith;
 namespace fs = std::filesystem;
 
 /// sRGB, written apart from the renderer's.
@@ -158,6 +160,52 @@ TEST_F(TextureTest, ExrIsLinear) {
   const auto grey = read_texture(folder_ / "y.exr");
   ASSERT_TRUE(grey) << grey.error().message();
   EXPECT_THAT(grey->rgb, ElementsAre(0.5F, 0.5F, 0.5F, 2, 2, 2));
+}
+
+TEST_F(TextureTest, AnExrIsAsLargeAsItsDisplayWindow) {
+  const auto write_windows = [&](const Imath::Box2i& data, const Imath::Box2i& display, bool tiled) {
+    support::ExrFile file(1, 1);
+    file.data_window = data;
+    file.display_window = display;
+    file.tiled = tiled;
+    for (const char* name : {"R", "G", "B"}) {
+      file.channels[name] = Imf::FLOAT;
+      for (int y = data.min.y; y <= data.max.y; ++y)
+        for (int x = data.min.x; x <= data.max.x; ++x)
+          file.pixels[name].push_back(static_cast<float>(100 + 10 * y + x) + (name[0] == 'G' ? 0.5F : 0));
+    }
+    file.write(folder_ / "a.exr");
+    return folder_ / "a.exr";
+  };
+  const Imath::Box2i display({-1, 2}, {4, 5});
+  // The same; cropped to what it shows; beyond it on all sides; both.
+  for (const auto& [data, note] : {std::pair(display, ""),
+                                   {Imath::Box2i({1, 3}, {3, 4}), "it is black where its data window ends before"},
+                                   {Imath::Box2i({-4, 0}, {6, 9}), ""},
+                                   {Imath::Box2i({2, -3}, {9, 3}), "it is black where"}})
+    for (const bool tiled : {false, true}) {
+      const auto texture = read_texture(write_windows(data, display, tiled));
+      ASSERT_TRUE(texture) << texture.error().message();
+      ASSERT_EQ(texture->width_px, 6);
+      ASSERT_EQ(texture->height_px, 4);
+      EXPECT_THAT(texture->note, StartsWith(note));
+      EXPECT_EQ(texture->note.empty(), std::string_view(note).empty());
+      for (int y = 2; y <= 5; ++y)
+        for (int x = -1; x <= 4; ++x) {
+          const auto at = static_cast<std::size_t>(3 * ((y - 2) * 6 + x + 1));
+          const float there = data.intersects(Imath::V2i(x, y)) ? static_cast<float>(100 + 10 * y + x) : 0;
+          EXPECT_EQ(texture->rgb[at], there) << x << ' ' << y;
+          EXPECT_EQ(texture->rgb[at + 1], there > 0 ? there + 0.5F : 0) << x << ' ' << y;
+        }
+    }
+  EXPECT_THAT(error_of(write_windows({{5, 2}, {6, 5}}, display, false)),
+              HasSubstr("a.exr: has its data window outside of its display window"));
+  EXPECT_THAT(error_of(write_windows({{0, 0}, {1, 1}}, {{0, 0}, {9, 9}}, false), 99),
+              HasSubstr("a texture of 10 x 10 pixels is more than"));
+  EXPECT_THAT(error_of(write_windows({{0, 0}, {9, 9}}, {{0, 0}, {1, 1}}, false), 99),
+              HasSubstr("a texture of 10 x 10 pixels is more than"));
+  EXPECT_THAT(error_of(write_windows({{1 << 20, 0}, {1 << 20, 1}}, {{(1 << 20) + 1, 0}, {(1 << 20) + 1, 0}}, false)),
+              HasSubstr("has its display window too far"));
 }
 
 TEST_F(TextureTest, BrokenAndLargeFilesAreRefusedByName) {

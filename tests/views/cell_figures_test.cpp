@@ -36,6 +36,36 @@ TEST(CellFigures, AWideBasisIsTold) {
   EXPECT_TRUE(figures.summary({1, 0}).contains("basis is wide"));
 }
 
+TEST(CellFigures, TheConstantDistanceErrorIsThatOfTheLuminaireThatIsThere) {
+  LuminaireModel model;
+  const CellFigures figures(model);
+  LuminaireGeometry geometry = lamp_geometry(3, 2, {"Y"});
+  geometry.planes.separation_mm = 20;
+  std::set<double> seen;
+  const auto is_right = [&](const char* changed) {
+    model.reset(geometry, "lamp");
+    for (const CellIndex cell : {CellIndex{0, 1}, CellIndex{1, 0}}) {
+      model.put(entry_of(cell), flat_image(geometry, 2));
+      const double wanted = 100 * largest_constant_distance_error(geometry, cell);
+      EXPECT_TRUE(seen.insert(wanted).second) << changed << ": nothing is tested";
+      for (int again = 0; again < 2; ++again) EXPECT_EQ(figures.value(CellFigure::constant_distance, cell), wanted);
+    }
+  };
+  is_right("as it is");
+  geometry.planes.separation_mm = 30;
+  is_right("planes");
+  geometry.sampling.spacing_mm *= 2;
+  is_right("spacing");
+  geometry.sampling.center_mm.x() += 3;
+  is_right("the grid's centre");
+  geometry.sampling.basis = BasisKind::box;
+  is_right("basis");
+  geometry.measurement.pixel_mm *= 3;
+  is_right("pixels");
+  geometry.measurement.center_mm.y() += 5;
+  is_right("the images' centre");
+}
+
 TEST(CellFigures, SpeakInTheUnitsShown) {
   LuminaireModel model;
   CellFigures figures(model);

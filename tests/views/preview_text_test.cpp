@@ -21,7 +21,10 @@ TEST(PreviewText, SaysWhatThePictureHoldsAndWhatIsMissing) {
   frame.visibility = Visibility::published;
   frame.method.method = Method::shift_invariant;
   EXPECT_EQ(progress_text(frame),
-            "37 of 63 cells · picture 42 ms · shift-invariant · shadows: a map of each cell · coarse");
+            "37 of 63 cells · picture 42 ms · shift-invariant, weighted · shadows: cell · coarse");
+  frame.method.spots.look_up = SpotLookUp::textured;
+  EXPECT_EQ(progress_text(frame),
+            "37 of 63 cells · picture 42 ms · shift-invariant, textured · shadows: cell · coarse");
   frame.measured = 40;
   EXPECT_EQ(missing_text(frame),
             "23 of 63 cells not measured yet: their light is missing; 3 measured cells are not in the picture yet");
