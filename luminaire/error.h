@@ -6,9 +6,9 @@
 
 namespace lumifield {
 
-/// What an Error means for the program: something is at fault, the operator asked to stop, or nothing goes on without
-/// the operator's word.
-enum class ErrorKind { fault, stopped, waiting };
+/// What an Error means for the program: something is at fault, the operator asked to stop, nothing goes on without the
+/// operator's word, or the disk is full and the same works once there is room.
+enum class ErrorKind { fault, stopped, waiting, disk_full };
 
 /// An expected failure: what went wrong, where, and what the operator can do about it.
 ///

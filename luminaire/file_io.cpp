@@ -81,8 +81,9 @@ FileHandle::~FileHandle() {
 }
 
 tl::unexpected<Error> system_failure(std::string_view action, const fs::path& file, int code) {
-  return fail(std::string(action) + ": " + std::generic_category().message(code), file.string(),
-              std::string(remedy_of(code)));
+  const bool full = code == ENOSPC || code == EDQUOT;
+  return tl::unexpected<Error>({std::string(action) + ": " + std::generic_category().message(code), file.string(),
+                                std::string(remedy_of(code)), full ? ErrorKind::disk_full : ErrorKind::fault});
 }
 
 Result<std::string> read_file(const fs::path& file, std::uintmax_t most_bytes) {

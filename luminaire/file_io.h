@@ -33,7 +33,8 @@ class FileHandle {
   int fd_ = -1;
 };
 
-/// The Error of a system call that failed with `code` (errno): `action` is "could not …".
+/// The Error of a system call that failed with `code` (errno): `action` is "could not …"; `kind` = disk_full where
+/// the disk, or the owner's share of it, is.
 tl::unexpected<Error> system_failure(std::string_view action, const std::filesystem::path& file, int code);
 
 /// The whole of a regular file. Refuses anything that is no regular file, and one larger than `most_bytes` before

@@ -38,6 +38,34 @@ std::string turn(const KnobPanel& knobs, const std::string& line) {
   return set ? "ok" : "error: " + set.error().message();
 }
 
+namespace {
+
+Result<sockaddr_un> socket_name(const std::filesystem::path& path) {
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  if (path.string().size() >= sizeof name.sun_path) return fail("the socket's path is too long", path.string());
+  std::strcpy(name.sun_path, path.c_str());
+  return name;
+}
+
+}  // namespace
+
+Result<std::string> say_to_knobs(const std::filesystem::path& path, const std::string& line) {
+  const Result<sockaddr_un> name = socket_name(path);
+  if (!name) return tl::unexpected(name.error());
+  const int link = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const std::string text = line + "\n";
+  std::string answer;
+  if (link >= 0 && connect(link, reinterpret_cast<const sockaddr*>(&*name), sizeof *name) == 0 &&
+      send(link, text.data(), text.size(), MSG_NOSIGNAL) == ssize_t(text.size())) {
+    char byte;
+    while (read(link, &byte, 1) == 1 && byte != '\n') answer += byte;
+  }
+  if (link >= 0) close(link);
+  if (answer.empty()) return fail("no bench answers there", path.string(), "start one with --knobs and this path");
+  return answer;
+}
+
 struct Knobs::Impl {
   std::filesystem::path path;
   KnobPanel knobs;
@@ -54,12 +82,10 @@ struct Knobs::Impl {
   }
 
   Status open() {
-    sockaddr_un name{};
-    name.sun_family = AF_UNIX;
-    if (path.string().size() >= sizeof name.sun_path) return fail("the socket's path is too long", path.string());
-    std::strcpy(name.sun_path, path.c_str());
+    const Result<sockaddr_un> name = socket_name(path);
+    if (!name) return tl::unexpected(name.error());
     listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    bound = listener >= 0 && bind(listener, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0;
+    bound = listener >= 0 && bind(listener, reinterpret_cast<const sockaddr*>(&*name), sizeof *name) == 0;
     if (!bound || listen(listener, 4) != 0)
       return fail(std::string("the knobs' socket cannot be made: ") + std::strerror(errno), path.string(),
                   "give another --knobs, or remove what is there");

@@ -22,6 +22,9 @@ using KnobPanel = std::map<std::string, Knob>;
 /// with its value, everything else with `error: …`.
 std::string turn(const KnobPanel& knobs, const std::string& line);
 
+/// Says a line to the knobs of a bench that runs, and returns the answer. Errors: nobody listens at that socket.
+Result<std::string> say_to_knobs(const std::filesystem::path& socket, const std::string& line);
+
 /// A Unix stream socket that takes such lines. Any number of clients; own thread.
 class Knobs {
  public:

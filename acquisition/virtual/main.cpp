@@ -27,7 +27,7 @@ struct Options {
   WorldOptions world;
   GigeCameraOptions camera;
   GrblOptions stage;
-  std::string filter = "bell:7.5:4", carries = "slide", knobs, points, out;
+  std::string filter = "bell:7.5:4", carries = "slide", knobs, points, out, line;
   std::vector<std::string> command, set;
   bool projected = false;
   TruthGrid grid;
@@ -37,8 +37,19 @@ struct Options {
 struct Devices {
   std::unique_ptr<World> world;
   std::unique_ptr<GrblController> stage;
-  std::unique_ptr<GigeCamera> camera;
+  std::unique_ptr<GigeCamera> camera;  ///< null while it is switched off
+  std::function<Result<std::unique_ptr<GigeCamera>>()> make_camera;
 };
+
+/// Switches the camera off, or on again: another one at the same place, with the same serial.
+Status switch_camera(Devices& bench, bool off) {
+  bench.camera.reset();
+  if (off) return {};
+  auto camera = bench.make_camera();
+  if (!camera) return tl::unexpected(camera.error());
+  bench.camera = std::move(*camera);
+  return {};
+}
 
 /// A folder under the system's temporary one, removed with all that it holds.
 class TemporaryFolder {
@@ -77,20 +88,22 @@ Status apply_filter(const std::string& text, WorldOptions& world) {
 }
 
 /// The knobs of devices that may not have been made yet.
-KnobPanel make_knobs(const Devices& bench) {
+KnobPanel make_knobs(Devices& bench) {
   const auto fault = [](const char* values, auto act) {
     return Knob{values, [act](double value) { return act(value), Status(); }, {}};
   };
-  KnobPanel knobs{{"lost_steps", fault("mm per move", [&](double value) { bench.stage->lose_steps(value); })},
-                  {"stuck_stage", fault("0|1", [&](double value) { bench.stage->stick(value != 0); })},
-                  {"silent_stage", fault("0|1", [&](double value) { bench.stage->silence(value != 0); })},
-                  {"stage_alarm", fault("1", [&](double value) { value != 0 ? bench.stage->trip_limit() : void(); })},
-                  {"frozen_camera", fault("0|1", [&](double value) { bench.camera->freeze(value != 0); })},
-                  {"frames", {"read only", {}, [&] { return std::to_string(bench.camera->frames_sent()); }}},
-                  {"true_position", {"read only, mm", {}, [&] {
-                                       const Vec2 at = bench.stage->true_position_mm();
-                                       return std::to_string(at.x()) + " " + std::to_string(at.y());
-                                     }}}};
+  KnobPanel knobs{
+      {"lost_steps", fault("mm per move", [&](double value) { bench.stage->lose_steps(value); })},
+      {"stuck_stage", fault("0|1", [&](double value) { bench.stage->stick(value != 0); })},
+      {"silent_stage", fault("0|1", [&](double value) { bench.stage->silence(value != 0); })},
+      {"stage_alarm", fault("1", [&](double value) { value != 0 ? bench.stage->trip_limit() : void(); })},
+      {"frozen_camera", fault("0|1", [&](double value) { bench.camera ? bench.camera->freeze(value != 0) : void(); })},
+      {"camera_off", {"0|1", [&](double value) { return switch_camera(bench, value != 0); }, {}}},
+      {"frames", {"read only", {}, [&] { return std::to_string(bench.camera ? bench.camera->frames_sent() : 0); }}},
+      {"true_position", {"read only, mm", {}, [&] {
+                           const Vec2 at = bench.stage->true_position_mm();
+                           return std::to_string(at.x()) + " " + std::to_string(at.y());
+                         }}}};
   for (const auto& [name, values] : {std::pair{"noise", "0|1"},
                                      {"optics", "0|1"},
                                      {"filter", "0|1, 0: no slide"},
@@ -154,11 +167,12 @@ int run_bench(Options& options, Devices& devices, const KnobPanel& panel) {
     devices.world->expose(e.stage_mm, e.exposure_s, e.gain_db, e.width_px, e.height_px, e.offset_x_px, e.offset_y_px,
                           dn);
   };
-  auto camera = GigeCamera::start(options.camera, {.stage_mm = [&] { return devices.stage->true_position_mm(); },
-                                                   .wait_ready = [&](const Vec2& at) { devices.world->wait_ready(at); },
-                                                   .expose = expose});
-  if (!camera) return report(camera.error());
-  devices.camera = std::move(*camera);
+  devices.make_camera = [&] {
+    return GigeCamera::start(options.camera, {.stage_mm = [&] { return devices.stage->true_position_mm(); },
+                                              .wait_ready = [&](const Vec2& at) { devices.world->wait_ready(at); },
+                                              .expose = expose});
+  };
+  if (Status on = switch_camera(devices, false); !on) return report(on.error());
 
   for (std::string setting : options.set) {
     std::ranges::replace(setting, '=', ' ');
@@ -215,12 +229,21 @@ int parse_and_run(int argc, char** argv) {
         ->needs(projected);
   truth->add_option("--points", options.points, "CSV: x_mm,y_mm,z_mm,nx,ny,nz")->required();
   truth->add_option("--out", options.out, "the same with E_Y,E_R,E_G,E_B")->required();
+  CLI::App* knob = app.add_subcommand("knob", "turns or reads a knob of a bench that runs with --knobs SOCKET");
+  knob->add_option("socket", options.knobs, "the running bench's")->required();
+  knob->add_option("line", options.line, "`NAME VALUE` or `get NAME`")->required();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
 
+  if (*knob) {
+    const Result<std::string> answer = say_to_knobs(options.knobs, options.line);
+    if (!answer) return report(answer.error());
+    std::puts(answer->c_str());
+    return answer->starts_with("error") ? 1 : 0;
+  }
   world.carries = options.carries == "lamp" ? StageCarries::lamp : StageCarries::slide;
   if (const Status filter = apply_filter(options.filter, world); !filter) return report(filter.error(), 2);
   if (format->empty() && world.lamp == "led-array") world.pixel_format = "BayerRG12";

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "acquisition/camera.h"
+#include "acquisition/scan/bench_clock.h"
 #include "acquisition/stage.h"
 #include "app/session/device_names.h"
 #include "app/session/guarded.h"
@@ -15,6 +16,8 @@ namespace lumifield {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr double room_poll_s = 0.5;  ///< a full disk is asked again
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -93,14 +96,36 @@ Status develop(Developer& developer, Pipeline& pipeline, std::vector<double>& de
   return {};
 }
 
+/// Does again what the disk is too full for, until there is room or the scan is stopped. Nothing is lost meanwhile: the
+/// queues fill up, and then the bench waits.
+template <class Write>
+auto once_there_is_room(Pipeline& pipeline, const Write& write) {
+  auto done = write();
+  const auto full = [&] { return !done && done.error().kind == ErrorKind::disk_full; };
+  if (!full()) return done;
+  pipeline.events.push(Notice{done.error().what + " (" + done.error().where +
+                              "): storing waits and goes on by itself once there is room; what is measured is kept"});
+  while (full()) {
+    if (!steady_bench_clock().wait(room_poll_s, pipeline.stop_token())) {
+      done.error().what = "stopped by the operator while the disk was full; cells that were measured are not stored";
+      done.error().kind = ErrorKind::stopped;
+      return done;
+    }
+    done = write();
+  }
+  if (done) pipeline.events.push(Notice{"there is room on the disk again: storing goes on"});
+  return done;
+}
+
 Status store(DatasetWriter& writer, const std::vector<std::string>& notes, const std::function<Status()>& record,
              Pipeline& pipeline, std::vector<double>& store_s) {
   for (const std::string& note : notes) pipeline.events.push(Notice{note});
   for (bool first = true; auto cell = pipeline.developed.pop(); first = false) {
     if (first)
-      if (Status recorded = record(); !recorded) return recorded;
+      if (Status recorded = once_there_is_room(pipeline, record); !recorded) return recorded;
     const auto start = Clock::now();
-    Result<CellEntry> entry = writer.add(cell->cell, cell->image, cell->stage_mm);
+    Result<CellEntry> entry =
+        once_there_is_room(pipeline, [&] { return writer.add(cell->cell, cell->image, cell->stage_mm); });
     store_s.push_back(seconds_since(start));
     if (!entry) return tl::unexpected(entry.error());
     cell->image.variance = std::vector<float>();

@@ -165,6 +165,7 @@ TEST_F(ScannerTest, AbandonedItParksAndFails) {
 }
 
 TEST_F(ScannerTest, DriftRefersToTheEarlierScan) {
+  plan.reference.limit = 1;
   scanner.refer_to({0, 40'000, 0, 0.008});
   ASSERT_TRUE(run());
   ASSERT_FALSE(sink.references.empty());

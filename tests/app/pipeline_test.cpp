@@ -1,10 +1,12 @@
 #include "app/session/pipeline.h"
 
+#include <cerrno>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "app/session/guarded.h"
+#include "luminaire/file_io.h"
 #include "tests/calibration/synthetic_bench.h"
 
 namespace lumifield {
@@ -153,6 +155,42 @@ TEST_F(PipelineTest, StoresNoCellWithoutItsRecord) {
   EXPECT_EQ(pipeline_.error()->what, "no space");
   EXPECT_TRUE(writer->manifest().cells.empty());
   EXPECT_FALSE(pipeline_.developed.push({{1, 1}, image(), {0, 0}}));
+}
+
+TEST_F(PipelineTest, AFullDiskIsWaitedForAndLosesNothing) {
+  auto writer = create();
+  ASSERT_TRUE(writer) << writer.error().message();
+  ASSERT_TRUE(pipeline_.developed.push({{0, 1}, image(), {0, 0}}));
+  pipeline_.developed.close();
+  std::vector<double> times;
+  bool failed = false;
+  int asked = 0;
+  const auto record = [&]() -> Status {
+    return ++asked < 3 ? Status(system_failure("could not be written", "disk", ENOSPC)) : Status{};
+  };
+  run_store(*writer, {}, record, pipeline_, times, failed);
+  EXPECT_FALSE(failed);
+  EXPECT_EQ(asked, 3);
+  EXPECT_EQ(writer->manifest().cells.size(), 1U);
+  EXPECT_THAT(notices(), testing::ElementsAre(HasSubstr("No space left on device (disk): storing waits"),
+                                              HasSubstr("there is room on the disk again")));
+}
+
+TEST_F(PipelineTest, AStopEndsTheWaitForRoom) {
+  auto writer = create();
+  ASSERT_TRUE(writer) << writer.error().message();
+  ASSERT_TRUE(pipeline_.developed.push({{0, 1}, image(), {0, 0}}));
+  std::vector<double> times;
+  bool failed = false;
+  const auto record = [&]() -> Status {
+    pipeline_.request_stop();
+    return system_failure("could not be written", "disk", ENOSPC);
+  };
+  run_store(*writer, {}, record, pipeline_, times, failed);
+  EXPECT_TRUE(failed);
+  ASSERT_TRUE(pipeline_.error());
+  EXPECT_EQ(pipeline_.error()->kind, ErrorKind::stopped);
+  EXPECT_TRUE(writer->manifest().cells.empty());
 }
 
 TEST_F(PipelineTest, KeepsTheFirstReading) {
