@@ -29,6 +29,9 @@ class DoubleBench {
   void hold_exposures(bool hold) { set(exposures_left_, hold ? 0 : endless); }
   void hold_exposures_after(int exposures) { set(exposures_left_, exposures); }
 
+  /// The move after so many from now on ends in an alarm.
+  void trip_stage_after(int moves) { moves_to_trip_ = moves + 1; }
+
   int cameras_opened() const { return cameras_.opened; }
   int stages_opened() const { return stages_.opened; }
   int open_now() const { return cameras_.open + stages_.open; }
@@ -74,6 +77,7 @@ class DoubleBench {
     const StageInfo& info() const override { return double_.info(); }
     Status home(std::stop_token stop) override { return double_.home(stop); }
     Status move_to(const Vec2& target_mm, std::stop_token stop) override {
+      if (--bench_.moves_to_trip_ == 0) double_.alarm = true;
       const Status moved = double_.move_to(target_mm, stop);
       bench_.stage_stands(double_.at);
       return moved;
@@ -115,6 +119,7 @@ class DoubleBench {
   static constexpr int endless = 1 << 30;
   const int width_px_, height_px_;
   std::atomic<bool> refuse_ = false;
+  std::atomic<int> moves_to_trip_ = 0;
   Count cameras_, stages_;
   std::mutex mutex_;
   std::condition_variable changed_;

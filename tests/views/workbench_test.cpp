@@ -233,5 +233,23 @@ TEST_F(WorkbenchTest, OfLuminairesOpenedAtOnceTheLastIsShown) {
   EXPECT_EQ(faults, 0);
 }
 
+TEST_F(WorkbenchTest, ATroublePausesTheScanSaysWhyAndIsOverOnTheOperatorsWord) {
+  prepare("tripped.lumi");
+  ASSERT_TRUE(watched());
+  bench.trip_stage_after(5);  // dark set, reference, into the cells
+  work.start();
+  ASSERT_TRUE(comes([&] { return work.scan().activity() == ScanActivity::paused; })) << qPrintable(notices.join("\n"));
+  EXPECT_EQ(faults, 1);
+  EXPECT_TRUE(notices.last().contains("a limit switch was hit; home it")) << qPrintable(notices.last());
+  EXPECT_TRUE(QString::fromStdString(work.scan().progress().trouble).contains("alarm 1"));
+  const int opened = bench.stages_opened();
+  work.scan().resume();
+  ASSERT_TRUE(idle()) << qPrintable(notices.join("\n"));
+  EXPECT_TRUE(comes([&] { return bench.stages_opened() == opened + 2; })) << "the scan, and the watch after it";
+  EXPECT_EQ(bench.most_stages_at_once(), 1);
+  EXPECT_EQ(work.model().measured(), work.model().total());
+  EXPECT_EQ(faults, 1);
+}
+
 }  // namespace
 }  // namespace lumifield
