@@ -13,6 +13,7 @@ namespace {
 const std::vector<Vec2>& targets_of(const CellStep& step) { return step.stage_mm; }
 std::vector<Vec2> targets_of(const DarkStep& step) { return {step.stage_mm}; }
 std::vector<Vec2> targets_of(const ReferenceStep& step) { return {step.stage_mm}; }
+std::vector<Vec2> targets_of(const VisitStep& step) { return {step.stage_mm}; }
 
 }  // namespace
 
@@ -43,7 +44,8 @@ std::vector<double> step_times_s(const std::vector<ScanStep>& steps, const Bench
   for (const ScanStep& step : steps) {
     double time = times.empty() ? plan.warm_up_s : 0;
     for (const Vec2& target : std::visit([](const auto& s) { return std::vector<Vec2>(targets_of(s)); }, step)) {
-      time += standing_s + (at ? move_time_s(speed, *at, target) : 0);
+      time += (std::holds_alternative<VisitStep>(step) ? plan.settle_s : standing_s) +
+              (at ? move_time_s(speed, *at, target) : 0);
       at = target;
     }
     times.push_back(time);

@@ -82,4 +82,26 @@ Result<ScanPlan> make_scan_plan(const Bench& bench, const Plan& plan, const std:
   return scan;
 }
 
+Result<ScanPlan> make_rehearsal(const Bench& bench, const Plan& plan, CellIndex shot) {
+  if (const auto whole = make_scan_plan(bench, plan); !whole) return tl::unexpected(whole.error());
+  const Sampling grid = sampling_of(bench, plan);
+  if (!grid.contains(shot))
+    return fail("there is no cell " + to_string(shot) + " in a grid of " + std::to_string(plan.rows) + " rows and " +
+                    std::to_string(plan.columns) + " columns",
+                "test shot", "choose one of the grid's");
+  ScanPlan scan{{DarkStep{dark_target_mm(bench), 0}}, 1, plan.columns * plan.rows - 1, 0};
+  for (const FilterPass& pass : bench.filter.passes)
+    for (const CellIndex corner : {CellIndex{0, 0}, CellIndex{0, plan.columns - 1},
+                                   CellIndex{plan.rows - 1, plan.columns - 1}, CellIndex{plan.rows - 1, 0}})
+      scan.steps.emplace_back(VisitStep{stage_target_mm(bench, grid.cell_center_mm(corner)) + pass.offset_mm,
+                                        "corner cell " + to_string(corner) + ", pass " + pass.name});
+  const Vec2 reference =
+      stage_target_mm(bench, grid.cell_center_mm(plan.reference.cell)) + bench.filter.passes[0].offset_mm;
+  scan.steps.emplace_back(ReferenceStep{reference, 0});
+  scan.steps.emplace_back(make_cell_step(bench, plan, shot, reference));
+  const std::vector<double> times = step_times_s(scan.steps, bench, plan, stage_speed(bench.stage));
+  scan.predicted_s = std::accumulate(times.begin(), times.end(), 0.0);
+  return scan;
+}
+
 }  // namespace lumifield

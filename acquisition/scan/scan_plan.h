@@ -1,6 +1,7 @@
 #pragma once
 
 #include <set>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -27,7 +28,12 @@ struct CellStep {
                                 ///< the long move between filters is made once a cell
   std::vector<Vec2> stage_mm;   ///< target per pass of `pass_order`
 };
-using ScanStep = std::variant<DarkStep, ReferenceStep, CellStep>;
+/// Where the stage only goes to.
+struct VisitStep {
+  Vec2 stage_mm;
+  std::string place;  ///< "corner cell (0, 8), pass negative"
+};
+using ScanStep = std::variant<DarkStep, ReferenceStep, CellStep, VisitStep>;
 
 struct ScanPlan {
   std::vector<ScanStep> steps;  ///< dark and reference first, reference last; empty when all cells are done
@@ -52,5 +58,9 @@ CellStep make_cell_step(const Bench& bench, const Plan& plan, CellIndex cell, co
 /// dual window touches the lamp; scales that are not the dual's within 1 %; a reference cell outside the grid;
 /// exposures outside (0, 10 s] or not ascending; a singular stage frame. Cells in `done` are left out.
 Result<ScanPlan> make_scan_plan(const Bench& bench, const Plan& plan, const std::set<CellIndex>& done = {});
+
+/// What tells before a scan whether it will go through: a dark set, the grid's corners in every pass, the reference
+/// cell, and the cell `shot`. Refuses what make_scan_plan does, and a cell beside the grid.
+Result<ScanPlan> make_rehearsal(const Bench& bench, const Plan& plan, CellIndex shot);
 
 }  // namespace lumifield

@@ -150,6 +150,12 @@ Status Scanner::take(const CellStep& step) {
   return {};
 }
 
+Status Scanner::take(const VisitStep& step) {
+  work_on(step.place);
+  const Result<Vec2> stands = stand_at(step.stage_mm, step.place);
+  return stands ? Status{} : tl::unexpected(stands.error());
+}
+
 Result<Scanner::Standing> Scanner::bracket_at(const Vec2& target_mm, const std::string& place) {
   double moved_mm = 0;
   for (int attempt = 0; attempt < attempts; ++attempt) {

@@ -129,6 +129,7 @@ class Scanner {
   Status take(const DarkStep& step);
   Status take(const ReferenceStep& step);
   Status take(const CellStep& step);
+  Status take(const VisitStep& step);
   Status between_steps();
   Status pause();
   Status retake(CellIndex cell);

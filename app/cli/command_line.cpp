@@ -113,6 +113,17 @@ void add_scan(CLI::App& app, ScanOptions& o) {
   scan->add_flag("--json", o.json, "Print the summary as one JSON object");
 }
 
+void add_rehearse(CLI::App& app, RehearseOptions& o) {
+  CLI::App* rehearse = app.add_subcommand("rehearse", "Try a scan in small: corners, reference cell, a test shot");
+  rehearse->add_option("--bench", o.bench, "Bench file")->envname("LUMIFIELD_BENCH")->required();
+  rehearse->add_option("--plan", o.plan, "Plan file")->required();
+  rehearse->add_option("--out", o.out, "Where the scan will be stored: is there room?")->capture_default_str();
+  rehearse->add_option("--cell", o.cell, "Row and column of the test shot (default: the reference cell)")
+      ->expected(2)
+      ->check(CLI::NonNegativeNumber);
+  rehearse->add_flag("--json", o.json, "Print the summary as one JSON object");
+}
+
 std::string described_methods() {
   std::string text = "How the light is computed:";
   for (const MethodInfo& each : methods()) {
@@ -282,12 +293,14 @@ int run(int argc, char** argv, RunWindow window, WriteStudyChart write_chart) {
   WindowOptions window_options;
   add_window(app, window_options);
   ScanOptions scan;
+  RehearseOptions rehearse;
   RenderOptions render;
   ProbeOptions probe;
   StudyOptions study;
   CheckOptions check;
   DevicesOptions devices;
   add_scan(app, scan);
+  add_rehearse(app, rehearse);
   add_render(app, render);
   add_probe(app, probe);
   add_study(app, study);
@@ -300,6 +313,7 @@ int run(int argc, char** argv, RunWindow window, WriteStudyChart write_chart) {
     return code == 0 ? exit_done : exit_wrong_use;
   }
   if (app.got_subcommand("scan")) return run_scan(scan);
+  if (app.got_subcommand("rehearse")) return run_rehearse(rehearse);
   if (app.got_subcommand("render")) return run_render(render);
   if (app.got_subcommand("probe")) return run_probe(probe);
   if (app.got_subcommand("study")) return run_study_command(study, write_chart);

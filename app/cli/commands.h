@@ -26,6 +26,13 @@ struct ScanOptions {
 };
 int run_scan(const ScanOptions& options);
 
+struct RehearseOptions {
+  std::string bench, plan, out = ".";
+  std::vector<int> cell;  ///< row, column of the test shot; empty: the reference cell
+  bool json = false;
+};
+int run_rehearse(const RehearseOptions& options);
+
 struct RenderOptions {
   std::string luminaire, scene, method = "closed-form", filter = "on", spots = "weighted", shadows = "tile",
                                 size = "1024x768", out;

@@ -1,13 +1,12 @@
 #include <cerrno>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <thread>
 #include <unistd.h>
 
 #include "app/cli/commands.h"
 #include "app/cli/scan_report.h"
+#include "app/cli/stop_on_signal.h"
 #include "app/session/scan_session.h"
 #include "luminaire/bench.h"
 #include "luminaire/plan.h"
@@ -16,32 +15,6 @@
 namespace lumifield {
 
 namespace {
-
-/// SIGINT, SIGTERM and SIGHUP (a lost terminal) stop the session; a second one ends the program at once. They are
-/// blocked in every thread, so that this one alone takes them.
-class StopOnSignal {
- public:
-  static sigset_t block() {
-    sigset_t signals;
-    sigemptyset(&signals);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
-    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-    return signals;
-  }
-  StopOnSignal(const sigset_t& signals, ScanSession& session)
-      : thread_([signals, &session](std::stop_token stop) {
-          const timespec tick{0, 100'000'000};
-          for (int taken = 0; !stop.stop_requested();) {
-            const int signal = sigtimedwait(&signals, nullptr, &tick);
-            if (signal <= 0) continue;
-            if (++taken > 1) _exit(128 + signal);
-            session.stop();
-          }
-        }) {}
-
- private:
-  std::jthread thread_;
-};
 
 /// The folder for the pictures, made when it is not there, before anything moves.
 Status prepare_folder(const std::filesystem::path& folder) {
@@ -104,7 +77,7 @@ int run_scan(const ScanOptions& options) {
   const sigset_t signals = StopOnSignal::block();
   auto session = ScanSession::start(std::move(*request));
   if (!session) return report_error(session.error(), options.json);
-  std::optional<StopOnSignal> watcher(std::in_place, signals, **session);
+  std::optional<StopOnSignal> watcher(std::in_place, signals, [&session] { (*session)->stop(); });
 
   ProgressLine line;
   std::optional<Error> picture_error;

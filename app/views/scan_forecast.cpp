@@ -7,6 +7,7 @@
 #include "acquisition/scan/motion_time.h"
 #include "acquisition/scan/scan_plan.h"
 #include "app/session/precedent.h"
+#include "app/session/stored_bytes.h"
 #include "app/views/scan_words.h"
 #include "calibration/raw_checks.h"
 #include "luminaire/dataset.h"

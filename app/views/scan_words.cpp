@@ -94,11 +94,6 @@ QString drift_text(double drift) {
   return (drift < 0 ? "−" : "+") + figure + " %";
 }
 
-double stored_cell_bytes(const LuminaireGeometry& geometry) {
-  return static_cast<double>(geometry.measurement.pixels()) * static_cast<double>(geometry.channels.size()) * 2 *
-         sizeof(float);
-}
-
 QString room_text(double free_bytes, double cell_bytes, int cells) {
   if (!(cell_bytes > 0)) return {};
   const double room = std::floor(free_bytes / cell_bytes);

@@ -27,9 +27,6 @@ QString bytes_text(double bytes);
 /// "+0.35 %".
 QString drift_text(double drift);
 
-/// Disk space that one stored cell takes at most, bytes: value and variance of every channel as 32-bit floats.
-double stored_cell_bytes(const LuminaireGeometry& geometry);
-
 /// What a disk is good for: "room for 5 scans" from one scan of `cells` on, else "room for 12 cells".
 QString room_text(double free_bytes, double cell_bytes, int cells);
 

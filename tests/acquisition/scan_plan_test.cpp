@@ -187,5 +187,33 @@ TEST(TimeLeft, FollowsThePace) {
   EXPECT_DOUBLE_EQ(left.left_s(80), 0);
 }
 
+TEST(Rehearsal, GoesToTheCornersOfEveryPassTheReferenceCellAndTheShot) {
+  const Bench bench = test::bell_bench();
+  const Plan plan = test::bell_plan();
+  const auto steps = make_rehearsal(bench, plan, {2, 5});
+  ASSERT_TRUE(steps) << steps.error().message();
+  ASSERT_EQ(steps->steps.size(), 1U + 2 * 4 + 2);
+  EXPECT_TRUE(std::holds_alternative<DarkStep>(steps->steps.front()));
+  const auto corner = std::get<VisitStep>(steps->steps[2 + 4]);
+  EXPECT_EQ(corner.place, "corner cell (0, 8), pass negative");
+  EXPECT_NEAR(corner.stage_mm.x(), 30 + 90, 1e-12);
+  EXPECT_NEAR(corner.stage_mm.y(), -22.5, 1e-12);
+  EXPECT_TRUE(std::holds_alternative<ReferenceStep>(steps->steps[9]));
+  EXPECT_EQ(std::get<CellStep>(steps->steps[10]).cell, (CellIndex{2, 5}));
+  EXPECT_EQ(steps->cells, 1);
+  // Of 8 corners no exposures are counted.
+  const double standing = 0.1 + 0.042 + 3 * 0.02;
+  EXPECT_LT(steps->predicted_s, 4 * standing + 8 * 0.1 + 10 * move_time_s({50, 500}, {0, 0}, {150, 0}));
+  EXPECT_GT(steps->predicted_s, 4 * standing + 8 * 0.1);
+}
+
+TEST(Rehearsal, RefusesWhatTheScanWouldAndACellBesideTheGrid) {
+  Bench bench = test::bell_bench();
+  EXPECT_THAT(make_rehearsal(bench, test::bell_plan(), {7, 0}).error().message(),
+              testing::HasSubstr("test shot: there is no cell (7, 0) in a grid of 7 rows and 9 columns"));
+  bench.limits.high_mm = {100, 100};
+  EXPECT_THAT(make_rehearsal(bench, test::bell_plan(), {2, 5}).error().where, testing::HasSubstr("limits_mm"));
+}
+
 }  // namespace
 }  // namespace lumifield

@@ -194,6 +194,27 @@ TEST_F(ScannerTest, ProgressCountsTheCellsThatWereThereBefore) {
   }
 }
 
+TEST_F(ScannerTest, ARehearsalExposesAtNoCorner) {
+  const auto steps = make_rehearsal(bench, plan, {0, 2});
+  ASSERT_TRUE(steps) << steps.error().message();
+  ASSERT_TRUE(scanner.run(*steps, sink, stop.get_token()));
+  EXPECT_EQ(camera.frames, (1 + 1 + 2) * 3);  // dark set, reference, the shot's passes
+  EXPECT_EQ(stage.moves, 1 + 8 + 1 + 2 + 1);
+  ASSERT_EQ(sink.cells.size(), 1U);
+  EXPECT_EQ(sink.cells[0].cell, (CellIndex{0, 2}));
+  EXPECT_EQ(stage.at, dark_target_mm(bench));
+  EXPECT_EQ(scanner.state(), done);
+}
+
+TEST_F(ScannerTest, ARehearsalTellsACornerThatIsNotReached) {
+  stage.off_by_mm = {0.03, 0};
+  stage.off_from_move = 3, stage.off_until_move = 99;
+  const auto steps = make_rehearsal(bench, plan, {0, 2});
+  const Status status = scanner.run(*steps, sink, stop.get_token());
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().where, "corner cell (0, 2), pass positive");
+}
+
 TEST(SteadyBenchClock, WaitsAndIsCutShortByAStop) {
   EXPECT_TRUE(steady_bench_clock().wait(0.001, {}));
   std::stop_source stop;
