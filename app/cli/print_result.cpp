@@ -18,7 +18,7 @@ int report_error(const Error& error, bool json) {
         {"error", {{"what", error.what}, {"where", error.where}, {"remedy", error.remedy}}}};
     std::printf("%s\n", dump_json(object).c_str());
   }
-  return exit_failed;
+  return error.kind == ErrorKind::stopped ? exit_stopped : exit_failed;
 }
 
 int print_result(const Result<nlohmann::ordered_json>& result, bool json,
@@ -38,6 +38,22 @@ nlohmann::ordered_json method_summary(const MethodSettings& settings) {
   }
   if (averages_light(settings.method)) summary["filter"] = settings.filter ? "on" : "off";
   return summary;
+}
+
+std::string method_words(const nlohmann::ordered_json& summary) {
+  std::string text = summary["method"].get<std::string>();
+  for (const char* count : {"samples", "lights"})
+    if (summary.contains(count)) {
+      char words[40];
+      std::snprintf(words, sizeof words, " with %.0f %s", summary[count].get<double>(), count);
+      text += words;
+    }
+  if (summary.value("lod", 0.0) > 0) {
+    char words[40];
+    std::snprintf(words, sizeof words, " at %g pixels per support", summary["lod"].get<double>());
+    text += words;
+  }
+  return summary.value("filter", "on") == "off" ? text + ", unfiltered" : text;
 }
 
 }  // namespace lumifield

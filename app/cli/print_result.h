@@ -19,5 +19,7 @@ int print_result(const Result<nlohmann::ordered_json>& result, bool json,
 
 /// What a summary says of a method: what it has use for.
 nlohmann::ordered_json method_summary(const MethodSettings& settings);
+/// The same for people: "mis with 200 samples".
+std::string method_words(const nlohmann::ordered_json& summary);
 
 }  // namespace lumifield
