@@ -73,7 +73,17 @@ CLI::Validator positive() {
   return number("a number above 0", std::numeric_limits<double>::min(), std::numeric_limits<double>::max());
 }
 CLI::Validator not_below_zero() { return number("a number of 0 or more", 0, std::numeric_limits<double>::max()); }
-CLI::Validator sample_count() { return number("a number of samples from 1 to 10 million", 1, most_samples); }
+/// Whole ones; 5e6 is one too.
+CLI::Validator whole(const char* kind, double least, double most) {
+  const auto fault = [=](const std::string& text) {
+    const double value = number_in(text);
+    const bool good = value >= least && value <= most && value == std::floor(value);
+    return good ? std::string() : "'" + text + "' is not a whole number " + kind;
+  };
+  return {fault, "NUMBER"};
+}
+CLI::Validator sample_count() { return whole("of samples from 1 to 10 million", 1, most_samples); }
+CLI::Validator seed_number() { return whole("from 0 to 4294967295", 0, std::numeric_limits<std::uint32_t>::max()); }
 CLI::Validator method_name() {
   std::vector<std::string> names;
   for (const MethodInfo& each : methods()) names.emplace_back(each.name);
@@ -99,7 +109,7 @@ CLI::Validator dataset_folder() {
 
 void add_scan(CLI::App& app, ScanOptions& o) {
   CLI::App* scan = app.add_subcommand("scan", "Scan a lamp without a window");
-  scan->add_option("--bench", o.bench, "Bench file")->envname("LUMIFIELD_BENCH")->required();
+  scan->add_option("--bench", o.bench, "Bench file (required, here or in LUMIFIELD_BENCH)")->envname("LUMIFIELD_BENCH");
   scan->add_option("--plan", o.plan, "Plan file")->required();
   scan->add_option("--out", o.out, "Dataset folder to make, NAME.lumi")->required();
   scan->add_flag("--resume", o.resume, "Go on with a dataset that is there");
@@ -108,6 +118,9 @@ void add_scan(CLI::App& app, ScanOptions& o) {
   scan->add_option("--size", o.size, "Size of these pictures")->check(picture_size())->capture_default_str();
   scan->add_option("--exposure", o.exposure, "Exposure of their tone curve")->check(positive())->capture_default_str();
   scan->add_flag("--json", o.json, "Print the summary as one JSON object");
+  scan->final_callback([&o] {
+    if (o.bench.empty()) throw CLI::RequiredError("--bench, or the environment variable LUMIFIELD_BENCH,");
+  });
 }
 
 std::string described_methods() {
@@ -157,7 +170,7 @@ void add_method(CLI::App& app, Options& o) {
                  "or for a ray (off: unbiased)")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
-  app.add_option("--seed", o.seed, "Seed of the samples")->capture_default_str();
+  app.add_option("--seed", o.seed, "Seed of the samples")->check(seed_number())->capture_default_str();
   app.final_callback([&app, &o] { check_use(app, o.method, o.samples); });
 }
 
@@ -198,9 +211,11 @@ void add_probe(CLI::App& app, ProbeOptions& o) {
           "CSV to write: the same points with a column E_<channel> each, in W/m^2 or lx as the dataset has it; "
           "a file of that name is replaced")
       ->required();
-  probe->add_flag("--stated-error", o.stated_error,
-                  "A column stated_error_<channel> too, same unit: of samplers one standard deviation (and the known "
-                  "bias), of the others a bound");
+  probe->add_flag(
+      "--stated-error", o.stated_error,
+      "A column stated_error_<channel> too, same unit: how far the method may be off the exact sum over this "
+      "dataset, of samplers one standard deviation (and the known bias), of the others a bound; not how far "
+      "the dataset is off the lamp");
   probe->add_flag("--json", o.json, "Print the figures as one JSON object");
 }
 
