@@ -165,7 +165,8 @@ Vec2 lamp_displacement_mm(const Bench& bench, const Vec2& stage_mm) {
   return bench.stage_to_luminaire.linear * stage_mm + bench.stage_to_luminaire.origin_mm;
 }
 
-Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vector<std::string>* notes) {
+Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vector<std::string>* notes,
+                          ReaderNotes kind) {
   Result<JsonDocument> document = JsonDocument::parse(json, name);
   if (!document) return tl::unexpected(document.error());
   document->note_unknown_keys();
@@ -184,14 +185,14 @@ Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vec
   b.camera_model = read_camera_model(root["camera_model"]);
   b.sensor = read_sensor(root["sensor"]);
   b.filter = read_filter(root["filter"]);
-  if (Status ok = document->finish(notes); !ok) return tl::unexpected(ok.error());
+  if (Status ok = document->finish(notes, kind); !ok) return tl::unexpected(ok.error());
   return b;
 }
 
-Result<Bench> read_bench(const std::filesystem::path& file, std::vector<std::string>* notes) {
+Result<Bench> read_bench(const std::filesystem::path& file, std::vector<std::string>* notes, ReaderNotes kind) {
   const Result<std::string> text = read_file(file, JsonLimits{}.bytes);
   if (!text) return tl::unexpected(text.error());
-  return parse_bench(*text, file.string(), notes);
+  return parse_bench(*text, file.string(), notes, kind);
 }
 
 std::string to_json(const Bench& b) {

@@ -8,6 +8,7 @@
 #include "luminaire/basis.h"
 #include "luminaire/error.h"
 #include "luminaire/geometry.h"
+#include "luminaire/reader_notes.h"
 
 namespace lumifield {
 
@@ -101,10 +102,13 @@ struct Bench {
 /// carries the lamp, else 0.
 Vec2 lamp_displacement_mm(const Bench& bench, const Vec2& stage_mm);
 
-/// Defaults taken for absent members, and members that are not known, are told in `notes`, one text each.
-Result<Bench> read_bench(const std::filesystem::path& file, std::vector<std::string>* notes = nullptr);
+/// Defaults taken for absent members, and members that are not known or have no effect, are told in `notes`, one text
+/// each.
+Result<Bench> read_bench(const std::filesystem::path& file, std::vector<std::string>* notes = nullptr,
+                         ReaderNotes kind = ReaderNotes::all);
 /// `name` stands for the file in error messages.
-Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vector<std::string>* notes = nullptr);
+Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vector<std::string>* notes = nullptr,
+                          ReaderNotes kind = ReaderNotes::all);
 std::string to_json(const Bench& bench);
 
 }  // namespace lumifield

@@ -17,6 +17,7 @@
 #include <stdexcept>
 
 #include "luminaire/exr_attributes.h"
+#include "luminaire/exr_reason.h"
 
 namespace lumifield {
 namespace {
@@ -191,7 +192,7 @@ Result<std::string> encode_cell_exr(const CellImage& image, const LuminaireGeome
     }
     return output.take();
   } catch (const std::exception& e) {
-    return fail(std::string("could not be encoded as OpenEXR (") + e.what() + ")", "cell " + to_string(cell));
+    return fail("could not be encoded as OpenEXR (" + exr_reason(e) + ")", "cell " + to_string(cell));
   }
 }
 
@@ -206,7 +207,7 @@ Result<CellExr> decode_cell_exr(std::string_view bytes, const LuminaireGeometry&
     if (Status ok = check_image(geometry, cell->image, where); !ok) return tl::unexpected(ok.error());
     return cell;
   } catch (const std::exception& e) {
-    return fail(std::string("is damaged or ends early (") + e.what() + ")", std::string(where), damaged);
+    return fail("is damaged or ends early (" + exr_reason(e) + ")", std::string(where), damaged);
   }
 }
 

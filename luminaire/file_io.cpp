@@ -74,6 +74,14 @@ fs::path folder_of(const fs::path& file) {
   return parent.empty() ? fs::path(".") : parent;
 }
 
+/// The rename would put a file in the place of a device or a pipe.
+Status check_replaceable(const fs::path& file) {
+  struct stat old {};
+  if (::stat(file.c_str(), &old) == 0 && !S_ISREG(old.st_mode))
+    return fail("is no regular file", file.string(), "choose another name");
+  return {};
+}
+
 }  // namespace
 
 FileHandle::~FileHandle() {
@@ -112,11 +120,18 @@ Result<std::string> read_file(const fs::path& file, std::uintmax_t most_bytes) {
 
 fs::path temporary_name(const fs::path& file) { return fs::path(file) += ".tmp"; }
 
+Status check_writable(const fs::path& file) {
+  if (Status replaceable = check_replaceable(file); !replaceable) return replaceable;
+  const fs::path folder = folder_of(file);
+  struct stat status {};
+  const bool there = ::stat(folder.c_str(), &status) == 0;
+  if (there && !S_ISDIR(status.st_mode)) return system_failure("could not be made", file, ENOTDIR);
+  if (!there || ::access(folder.c_str(), W_OK | X_OK) != 0) return system_failure("could not be made", file, errno);
+  return {};
+}
+
 Status write_file_durably(const fs::path& file, std::string_view bytes) {
-  // The rename would put a file in the place of a device or a pipe
-  struct stat old {};
-  if (::stat(file.c_str(), &old) == 0 && !S_ISREG(old.st_mode))
-    return fail("is no regular file", file.string(), "choose another name");
+  if (Status replaceable = check_replaceable(file); !replaceable) return replaceable;
   const fs::path temporary = temporary_name(file);
   FileHandle handle(open_retrying(temporary, O_WRONLY | O_CREAT | O_TRUNC, file_mode));
   if (!handle) return system_failure("could not be made", file, errno);

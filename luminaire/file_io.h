@@ -43,9 +43,12 @@ Result<std::string> read_file(const std::filesystem::path& file, std::uintmax_t 
 
 /// Writes `bytes` as `file` so that it is either there as a whole after a power cut or not at all: temporary name in
 /// the same folder, write, fsync, rename, fsync of the folder. On failure nothing is left behind, and the Error names
-/// `file`. Refuses to replace
-/// what is no regular file: a device, a pipe, a folder.
+/// `file`. Refuses to replace what is no regular file: a device, a pipe, a folder.
 Status write_file_durably(const std::filesystem::path& file, std::string_view bytes);
+
+/// What write_file_durably would refuse of this name as things are, told before the work whose result it is to hold: a
+/// folder that is not there or not writable, and what is no regular file.
+Status check_writable(const std::filesystem::path& file);
 
 /// Appends to `file` (made when absent), which holds `length` bytes that count: what lies beyond is cut off first. On
 /// disk when this returns; on failure the file is cut back to `length`.

@@ -99,10 +99,12 @@ Status JsonDocument::status() const {
   return {};
 }
 
-Status JsonDocument::finish(std::vector<std::string>* notes) const {
+Status JsonDocument::finish(std::vector<std::string>* notes, ReaderNotes kind) const {
   if (error_) return status();
   if (!notes) return {};
-  for (const std::string& each : defaults_) notes->push_back(name_ + ": " + each);
+  if (kind == ReaderNotes::all)
+    for (const std::string& each : defaults_) notes->push_back(name_ + ": " + each);
+  for (const std::string& each : no_effect_) notes->push_back(name_ + ": " + each);
   std::vector<std::string> unknown;
   if (notes_unknown_) collect_unknown(*json_, "", unknown);
   for (std::size_t k = 0; k < std::min(unknown.size(), most_unknown_told); ++k)
@@ -139,6 +141,10 @@ void JsonValue::note_default(std::string_view standard) const {
   document_->defaults_.push_back(place_ + " is absent, taken as " + std::string(standard));
 }
 
+void JsonValue::note_no_effect(std::string_view why) const {
+  document_->no_effect_.push_back(place_ + " has no effect " + std::string(why));
+}
+
 bool JsonValue::require(bool right_type, std::string_view type) const {
   if (!present())
     refuse("is missing", "add it: " + std::string(type));
@@ -168,7 +174,11 @@ double JsonValue::number(Range range) const {
   if (!require(present() && value_->is_number(), type)) return std::max(range.low, 0.0);
   const double x = value_->get<double>();
   const bool inside = std::isfinite(x) && x <= range.high && (range.open_low ? x > range.low : x >= range.low);
-  if (!inside) refuse("is out of range (" + short_text(x) + ")", "make it " + type);
+  if (!inside) {
+    const bool too_large = x > range.high && range.high >= largest_number;
+    refuse("is out of range (" + short_text(x) + ")",
+           "make it " + type + (too_large ? ", at most " + short_text(range.high) : ""));
+  }
   return x;
 }
 

@@ -13,6 +13,7 @@
 
 #include "luminaire/error.h"
 #include "luminaire/geometry.h"
+#include "luminaire/reader_notes.h"
 
 namespace lumifield {
 
@@ -82,6 +83,8 @@ class JsonValue {
   void refuse(std::string what, std::string remedy) const;
   /// Records that the value is absent and what stands for it.
   void note_default(std::string_view standard) const;
+  /// Records that the value, as the others are, has no effect: `why` is "without a camera".
+  void note_no_effect(std::string_view why) const;
   const std::string& place() const { return place_; }
 
  private:
@@ -111,9 +114,9 @@ class JsonDocument {
   Status status() const;
   /// From now on keys of visited objects that nobody asks for are recorded. Before the first access.
   void note_unknown_keys() { notes_unknown_ = true; }
-  /// Same as status(), with defaults taken and unknown keys appended to `notes`, if given, when all is right; each with
-  /// the file's name.
-  Status finish(std::vector<std::string>* notes) const;
+  /// Same as status(), with defaults taken (if `kind` is all), and keys that are unknown or without effect, appended to
+  /// `notes`, if given, when all is right; each with the file's name.
+  Status finish(std::vector<std::string>* notes, ReaderNotes kind = ReaderNotes::all) const;
   const std::vector<std::string>& defaults() const { return defaults_; }
 
  private:
@@ -123,7 +126,7 @@ class JsonDocument {
   std::string name_;
   std::unique_ptr<nlohmann::json> json_;
   std::optional<Error> error_;
-  std::vector<std::string> defaults_;
+  std::vector<std::string> defaults_, no_effect_;
   bool notes_unknown_ = false;
   std::set<const nlohmann::json*> visited_, asked_;  ///< objects with an access to members; values asked for
 };

@@ -37,7 +37,8 @@ QualityLimits read_limits(const JsonValue& at) {
 
 }  // namespace
 
-Result<Plan> parse_plan(std::string_view json, std::string_view name, std::vector<std::string>* notes) {
+Result<Plan> parse_plan(std::string_view json, std::string_view name, std::vector<std::string>* notes,
+                        ReaderNotes kind) {
   Result<JsonDocument> document = JsonDocument::parse(json, name);
   if (!document) return tl::unexpected(document.error());
   document->note_unknown_keys();
@@ -58,14 +59,14 @@ Result<Plan> parse_plan(std::string_view json, std::string_view name, std::vecto
   p.reference = read_reference(root["reference_cell"], p.columns, p.rows);
   p.warm_up_s = root["warm_up_s"].number_or(p.warm_up_s, {0, 1e6});
   p.limits = read_limits(root["limits"]);
-  if (Status ok = document->finish(notes); !ok) return tl::unexpected(ok.error());
+  if (Status ok = document->finish(notes, kind); !ok) return tl::unexpected(ok.error());
   return p;
 }
 
-Result<Plan> read_plan(const std::filesystem::path& file, std::vector<std::string>* notes) {
+Result<Plan> read_plan(const std::filesystem::path& file, std::vector<std::string>* notes, ReaderNotes kind) {
   const Result<std::string> text = read_file(file, JsonLimits{}.bytes);
   if (!text) return tl::unexpected(text.error());
-  return parse_plan(*text, file.string(), notes);
+  return parse_plan(*text, file.string(), notes, kind);
 }
 
 std::string to_json(const Plan& p) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "luminaire/light_field.h"
+#include "luminaire/reader_notes.h"
 
 namespace lumifield {
 
@@ -36,9 +37,12 @@ struct Plan {
   QualityLimits limits;
 };
 
-/// Defaults taken for absent members, and members that are not known, are told in `notes`, one text each.
-Result<Plan> read_plan(const std::filesystem::path& file, std::vector<std::string>* notes = nullptr);
-Result<Plan> parse_plan(std::string_view json, std::string_view name, std::vector<std::string>* notes = nullptr);
+/// Defaults taken for absent members, and members that are not known or have no effect, are told in `notes`, one text
+/// each.
+Result<Plan> read_plan(const std::filesystem::path& file, std::vector<std::string>* notes = nullptr,
+                       ReaderNotes kind = ReaderNotes::all);
+Result<Plan> parse_plan(std::string_view json, std::string_view name, std::vector<std::string>* notes = nullptr,
+                        ReaderNotes kind = ReaderNotes::all);
 std::string to_json(const Plan& plan);
 
 }  // namespace lumifield

@@ -101,7 +101,7 @@ Result<std::string> name_in(const std::filesystem::path& folder, const std::file
 }  // namespace
 
 Result<Scene> parse_scene(std::string_view json, std::string_view name, const std::filesystem::path& folder,
-                          std::vector<std::string>* notes) {
+                          std::vector<std::string>* notes, ReaderNotes kind) {
   Result<JsonDocument> document = JsonDocument::parse(json, name);
   if (!document) return tl::unexpected(document.error());
   document->note_unknown_keys();
@@ -115,15 +115,17 @@ Result<Scene> parse_scene(std::string_view json, std::string_view name, const st
   for (const JsonValue& each : root["luminaires"].elements(0, most_luminaires))
     scene.luminaires.push_back({each["pose"].rigid_pose(), each["scale"].number_or(1, not_negative)});
   if (root["environment"].present()) scene.environment = read_path(root["environment"], folder);
-  if (root["environment_scale"].present()) scene.environment_scale = root["environment_scale"].number(not_negative);
-  if (Status ok = document->finish(notes); !ok) return tl::unexpected(ok.error());
+  const JsonValue scale = root["environment_scale"];
+  if (scale.present()) scene.environment_scale = scale.number(not_negative);
+  if (scale.present() && !scene.environment) scale.note_no_effect("without \"environment\"");
+  if (Status ok = document->finish(notes, kind); !ok) return tl::unexpected(ok.error());
   return scene;
 }
 
-Result<Scene> read_scene(const std::filesystem::path& file, std::vector<std::string>* notes) {
+Result<Scene> read_scene(const std::filesystem::path& file, std::vector<std::string>* notes, ReaderNotes kind) {
   const Result<std::string> text = read_file(file, JsonLimits{}.bytes);
   if (!text) return tl::unexpected(text.error());
-  return parse_scene(*text, file.string(), file.parent_path(), notes);
+  return parse_scene(*text, file.string(), file.parent_path(), notes, kind);
 }
 
 Result<std::string> to_json(const Scene& scene, const std::filesystem::path& folder) {

@@ -10,6 +10,7 @@
 
 #include "luminaire/error.h"
 #include "luminaire/geometry.h"
+#include "luminaire/reader_notes.h"
 
 namespace lumifield {
 
@@ -47,11 +48,13 @@ struct Scene {
   double environment_scale = 1;                      ///< radiance in the luminaire's unit of one unit of the image
 };
 
-/// Defaults taken for absent members, and members that are not known, are told in `notes`, one text each.
-Result<Scene> read_scene(const std::filesystem::path& file, std::vector<std::string>* notes = nullptr);
+/// Defaults taken for absent members, and members that are not known or have no effect, are told in `notes`, one text
+/// each.
+Result<Scene> read_scene(const std::filesystem::path& file, std::vector<std::string>* notes = nullptr,
+                         ReaderNotes kind = ReaderNotes::all);
 /// `folder` is where relative paths start.
 Result<Scene> parse_scene(std::string_view json, std::string_view name, const std::filesystem::path& folder,
-                          std::vector<std::string>* notes = nullptr);
+                          std::vector<std::string>* notes = nullptr, ReaderNotes kind = ReaderNotes::all);
 
 /// The file's text. Mesh and environment are named relative to `folder`. Errors: one of them lies outside of it; what
 /// parse_scene would refuse.

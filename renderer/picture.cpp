@@ -14,6 +14,7 @@
 #include <png.h>
 #include <string_view>
 
+#include "luminaire/exr_reason.h"
 #include "luminaire/file_io.h"
 #include "renderer/bands.h"
 #include "renderer/srgb.h"
@@ -147,7 +148,7 @@ Status write_exr(const Picture& picture, const std::filesystem::path& file) try 
   }
   return write_file_durably(file, stream.str());
 } catch (const std::exception& exception) {
-  return fail(std::string("OpenEXR says: ") + exception.what(), file.string(), "render a smaller picture");
+  return fail("OpenEXR says: " + exr_reason(exception), file.string(), "render a smaller picture");
 }
 
 }  // namespace lumifield

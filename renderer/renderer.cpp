@@ -141,6 +141,11 @@ bool Renderer::environment() const { return impl_->environment_on; }
 
 bool Renderer::surround(double seconds) { return impl_->surround(seconds); }
 
+double Renderer::share_surrounded() const {
+  const double pixels = static_cast<double>(impl_->gbuffer.position.size()) / 4;
+  return impl_->environment_on ? static_cast<double>(impl_->environment_pixels) / std::max(pixels, 1.0) : 1;
+}
+
 void Renderer::refresh_shadows() {
   impl_->shadows->forget_positions();
   impl_->clear();
@@ -164,7 +169,7 @@ Status Renderer::add_cell(CellIndex cell, std::shared_ptr<const CellImage> image
   return impl_->method || impl_->waiting.size() == 1 ? impl_->sum(1) : Status{};
 }
 
-Status Renderer::add_all(const LightField& light_field) {
+Status Renderer::keep_all(const LightField& light_field) {
   if (const Status ready = impl_->need_luminaire(); !ready) return ready;
   if (const auto difference = first_difference(light_field.geometry(), *impl_->geometry))
     return fail("the cells are of another luminaire: its " + *difference, "renderer", "set the luminaire first");
@@ -173,6 +178,11 @@ Status Renderer::add_all(const LightField& light_field) {
       impl_->cells[static_cast<std::size_t>(k)] = std::move(image);
   impl_->method_has_cells = false;
   impl_->clear();
+  return {};
+}
+
+Status Renderer::add_all(const LightField& light_field) {
+  if (const Status kept = keep_all(light_field); !kept) return kept;
   return impl_->sum(impl_->cells.size());
 }
 
@@ -184,6 +194,13 @@ bool Renderer::waits(CellIndex cell) const {
 
 int Renderer::summed() const {
   return static_cast<int>(std::ranges::count_if(impl_->summed, [](const auto& image) { return image != nullptr; }));
+}
+
+double Renderer::share_summed() const {
+  if (impl_->waiting.empty()) return 1;
+  if (impl_->method) return impl_->handed_over && impl_->method_has_cells ? impl_->method->share_done() : 0;
+  const double done = summed();
+  return done / (done + waiting());
 }
 
 double Renderer::cell_s() const { return impl_->receiver_s * impl_->receivers(); }

@@ -57,6 +57,8 @@ class Renderer {
   /// Computes its light in this view, some pixels at least and no longer than `seconds`, where it is on: true when all
   /// have it. A picture does what is left.
   bool surround(double seconds);
+  /// How much of the view has it, 0 … 1.
+  double share_surrounded() const;
   /// Published shadows stand where the first cells of each tile had their light: from now on where all have it. All
   /// cells wait. A cell that comes and gives tiles their first has none wait, but in a view with a level of detail.
   void refresh_shadows();
@@ -78,7 +80,9 @@ class Renderer {
   Status add_cell(CellIndex cell, std::shared_ptr<const CellImage> image);
   /// Adds or replaces one, which waits.
   Status keep_cell(CellIndex cell, std::shared_ptr<const CellImage> image);
-  /// Sums all cells, those of before too.
+  /// Takes all of its cells; with those of before they wait.
+  Status keep_all(const LightField& light_field);
+  /// The same, and sums them.
   Status add_all(const LightField& light_field);
 
   /// Cells that are kept, but not in the sums as they are kept.
@@ -89,6 +93,9 @@ class Renderer {
   /// Sums some that wait: as many as take about `seconds` by the time that the last ones took, at least those of a row
   /// of the grid, which share so much that the first costs as much as all the others.
   Status sum_some(double seconds);
+  /// How much of the kept cells' light is summed, 0 … 1: by cells, or of a method that computes all together by
+  /// receivers.
+  double share_summed() const;
   /// What one more cell costs in this view by the time that the last ones took, seconds; 0 before the first.
   double cell_s() const;
 

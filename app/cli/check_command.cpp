@@ -1,13 +1,18 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "app/cli/commands.h"
+#include "app/cli/noted_files.h"
 #include "app/cli/print_result.h"
+#include "app/session/provenance.h"
 #include "app/session/study_file.h"
 #include "luminaire/bench.h"
 #include "luminaire/dataset.h"
+#include "luminaire/manifest.h"
 #include "luminaire/plan.h"
 #include "luminaire/scene.h"
 #include "renderer/environment/lat_long.h"
@@ -28,10 +33,41 @@ Finding absent(const std::string& path, std::string why) {
   return {path, "", {Error{std::move(why), path, "check the path"}.message()}, {}, {}, false};
 }
 
+/// Of one kind are warnings that differ by their numbers alone.
+std::string kind_of(const std::string& warning) {
+  static const std::regex number("[-+]?[0-9][-+0-9.e]*");
+  return std::regex_replace(warning, number, "…");
+}
+
+/// How good the cells are by what their scan has recorded.
+void tell_quality(Finding& finding) {
+  const Result<DatasetIndex> index = read_dataset_index(finding.path);
+  if (!index) return;  // a problem that is told
+  const std::vector<CellEntry>& cells = index->manifest.cells;
+  std::map<std::string, int> kinds;
+  int warned = 0;
+  for (const CellEntry& entry : cells) {
+    if (!entry.quality || entry.quality->warnings.empty()) continue;
+    ++warned;
+    for (const std::string& warning : entry.quality->warnings) ++kinds[kind_of(warning)];
+  }
+  finding.detail += ", " + std::to_string(warned) + " with warnings";
+  for (const auto& [kind, count] : kinds)
+    finding.notes.push_back("warning of " + std::to_string(count) + " cells: " + kind);
+  if (const auto recorded = largest_drift(index->manifest.provenance_json)) {
+    char text[96];
+    std::snprintf(text, sizeof text, ", largest drift %+.3g %% (the plan's limit: %.3g %%)", 100 * recorded->drift,
+                  100 * recorded->limit);
+    finding.detail += text;
+  }
+}
+
 Finding check_folder(const std::string& path) {
   std::error_code wrong;
-  if (!std::filesystem::exists(std::filesystem::path(path) / "luminaire.json", wrong) && !wrong)
-    return absent(path, "there is no dataset there, only a folder without luminaire.json");
+  const std::string within = datasets_within(path);
+  if (!std::filesystem::exists(std::filesystem::path(path) / manifest_name, wrong) && !wrong)
+    return absent(path, within.empty() ? "there is no dataset there, only a folder without luminaire.json"
+                                       : "there is no dataset there, but a folder that holds " + within);
   Finding finding{path, "dataset", {}, {}, {}, true};
   Result<CheckReport> report = check_dataset(path);
   if (!report) {
@@ -42,6 +78,7 @@ Finding check_folder(const std::string& path) {
   finding.notes = report->notes;
   finding.detail =
       std::to_string(report->coverage.measured) + " of " + std::to_string(report->coverage.total) + " cells";
+  tell_quality(finding);
   return finding;
 }
 

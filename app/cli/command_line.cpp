@@ -74,7 +74,17 @@ CLI::Validator positive() {
   return number("a number above 0", std::numeric_limits<double>::min(), std::numeric_limits<double>::max());
 }
 CLI::Validator not_below_zero() { return number("a number of 0 or more", 0, std::numeric_limits<double>::max()); }
-CLI::Validator sample_count() { return number("a number of samples from 1 to 10 million", 1, most_samples); }
+/// Whole ones; 5e6 is one too.
+CLI::Validator whole(const char* kind, double least, double most) {
+  const auto fault = [=](const std::string& text) {
+    const double value = number_in(text);
+    const bool good = value >= least && value <= most && value == std::floor(value);
+    return good ? std::string() : "'" + text + "' is not a whole number " + kind;
+  };
+  return {fault, "NUMBER"};
+}
+CLI::Validator sample_count() { return whole("of samples from 1 to 10 million", 1, most_samples); }
+CLI::Validator seed_number() { return whole("from 0 to 4294967295", 0, std::numeric_limits<std::uint32_t>::max()); }
 CLI::Validator method_name() {
   std::vector<std::string> names;
   for (const MethodInfo& each : methods()) names.emplace_back(each.name);
@@ -98,9 +108,17 @@ CLI::Validator dataset_folder() {
   return {fault, "NAME.lumi"};
 }
 
+void add_bench(CLI::App* command, std::string& bench) {
+  command->add_option("--bench", bench, "Bench file (required, here or in LUMIFIELD_BENCH)")
+      ->envname("LUMIFIELD_BENCH");
+  command->final_callback([&bench] {
+    if (bench.empty()) throw CLI::RequiredError("--bench, or the environment variable LUMIFIELD_BENCH,");
+  });
+}
+
 void add_scan(CLI::App& app, ScanOptions& o) {
   CLI::App* scan = app.add_subcommand("scan", "Scan a lamp without a window");
-  scan->add_option("--bench", o.bench, "Bench file")->envname("LUMIFIELD_BENCH")->required();
+  add_bench(scan, o.bench);
   scan->add_option("--plan", o.plan, "Plan file")->required();
   scan->add_option("--out", o.out, "Dataset folder to make, NAME.lumi")->required();
   scan->add_flag("--resume", o.resume, "Go on with a dataset that is there");
@@ -115,7 +133,7 @@ void add_scan(CLI::App& app, ScanOptions& o) {
 
 void add_rehearse(CLI::App& app, RehearseOptions& o) {
   CLI::App* rehearse = app.add_subcommand("rehearse", "Try a scan in small: corners, reference cell, a test shot");
-  rehearse->add_option("--bench", o.bench, "Bench file")->envname("LUMIFIELD_BENCH")->required();
+  add_bench(rehearse, o.bench);
   rehearse->add_option("--plan", o.plan, "Plan file")->required();
   rehearse->add_option("--out", o.out, "Where the scan will be stored: is there room?")->capture_default_str();
   rehearse->add_option("--cell", o.cell, "Row and column of the test shot (default: the reference cell)")
@@ -185,7 +203,7 @@ void add_method(CLI::App& app, Options& o) {
                  "texture, as the window has it (textured: faster, biased)")
       ->check(CLI::IsMember({"weighted", "textured"}))
       ->capture_default_str();
-  app.add_option("--seed", o.seed, "Seed of the samples")->capture_default_str();
+  app.add_option("--seed", o.seed, "Seed of the samples")->check(seed_number())->capture_default_str();
   app.final_callback([&app, &o] {
     check_use(app, o.method, o.samples);
     if constexpr (std::is_same_v<Options, RenderOptions>) check_shadows(app, o);
@@ -233,9 +251,11 @@ void add_probe(CLI::App& app, ProbeOptions& o) {
           "CSV to write: the same points with a column E_<channel> each, in W/m^2 or lx as the dataset has it; "
           "a file of that name is replaced")
       ->required();
-  probe->add_flag("--stated-error", o.stated_error,
-                  "A column stated_error_<channel> too, same unit: of samplers one standard deviation (and the known "
-                  "bias), of the others a bound");
+  probe->add_flag(
+      "--stated-error", o.stated_error,
+      "A column stated_error_<channel> too, same unit: how far the method may be off the exact sum over this "
+      "dataset, of samplers one standard deviation (and the known bias), of the others a bound; not how far "
+      "the dataset is off the lamp");
   probe->add_flag("--json", o.json, "Print the figures as one JSON object");
 }
 

@@ -75,8 +75,10 @@ void print(const Found& found) {
 
 int run_devices(const DevicesOptions& options) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  bool unread = false;  // a bench file that was named
   for (const Found& found : find_devices(options)) {
     const DeviceReport& d = found.device;
+    unread = unread || d.role == "bench";
     if (!options.json) print(found);
     list.push_back({{"role", d.role},
                     {"name", d.name},
@@ -87,7 +89,7 @@ int run_devices(const DevicesOptions& options) {
                     {"bench", found.bench}});
   }
   if (options.json) std::printf("%s\n", dump_json({{"devices", list}}).c_str());
-  return exit_done;
+  return unread ? exit_failed : exit_done;
 }
 
 }  // namespace lumifield

@@ -36,26 +36,35 @@ std::vector<std::string_view> fields_of(std::string_view line) {
   }
 }
 
-/// Position in column_names of each column of the file.
-Result<std::vector<std::size_t>> read_header(std::string_view line, const std::string& where) {
+/// Position in column_names of each column of the file; past its end: passed over.
+Result<std::vector<std::size_t>> read_header(std::string_view line, const std::string& where,
+                                             std::vector<std::string>& notes) {
+  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+  if (line.starts_with(byte_order_mark)) line.remove_prefix(byte_order_mark.size());
   std::vector<std::size_t> order;
   for (std::string_view field : fields_of(line)) {
     const auto found = std::find(column_names.begin(), column_names.end(), field);
     const auto column = static_cast<std::size_t>(found - column_names.begin());
-    if (found == column_names.end() || std::find(order.begin(), order.end(), column) != order.end())
-      return fail("column '" + std::string(field) + "' is unknown or there twice", where, columns_remedy);
+    if (found == column_names.end())
+      notes.push_back(where + ": column '" + std::string(field) + "' is passed over");
+    else if (std::find(order.begin(), order.end(), column) != order.end())
+      return fail("column '" + std::string(field) + "' is there twice", where, columns_remedy);
     order.push_back(column);
   }
-  if (order.size() != column_names.size()) return fail("columns are missing", where, columns_remedy);
+  for (std::size_t k = 0; k < column_names.size(); ++k)
+    if (std::find(order.begin(), order.end(), k) == order.end())
+      return fail("column '" + std::string(column_names[k]) + "' is missing", where, columns_remedy);
   return order;
 }
 
 Result<Receiver> read_point(std::string_view line, const std::vector<std::size_t>& order, const std::string& where) {
   const std::vector<std::string_view> fields = fields_of(line);
   if (fields.size() != order.size())
-    return fail("has " + std::to_string(fields.size()) + " columns, not six", where, "mend the line");
+    return fail("has " + std::to_string(fields.size()) + " columns, the first line " + std::to_string(order.size()),
+                where, "mend the line");
   std::array<double, 6> value{};
   for (std::size_t k = 0; k < fields.size(); ++k) {
+    if (order[k] == column_names.size()) continue;
     double& v = value[order[k]];
     const auto [end, wrong] = std::from_chars(fields[k].data(), fields[k].data() + fields[k].size(), v);
     if (wrong != std::errc() || end != fields[k].data() + fields[k].size() || !std::isfinite(v))
@@ -72,12 +81,12 @@ Result<Receiver> read_point(std::string_view line, const std::vector<std::size_t
 
 }  // namespace
 
-Result<std::vector<Receiver>> read_points_csv(const std::filesystem::path& file) {
+Result<std::vector<Receiver>> read_points_csv(const std::filesystem::path& file, std::vector<std::string>& notes) {
   std::ifstream stream(file);
   if (!stream) return fail(std::string("cannot be read: ") + std::strerror(errno), file.string(), "check the path");
   std::string line;
   if (!std::getline(stream, line)) return fail("is empty", file.string(), columns_remedy);
-  Result<std::vector<std::size_t>> order = read_header(line, file.string() + ", line 1");
+  Result<std::vector<std::size_t>> order = read_header(line, file.string() + ", line 1", notes);
   if (!order) return tl::unexpected(order.error());
 
   std::vector<Receiver> points;

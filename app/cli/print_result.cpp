@@ -18,7 +18,8 @@ int report_error(const Error& error, bool json) {
         {"error", {{"what", error.what}, {"where", error.where}, {"remedy", error.remedy}}}};
     std::printf("%s\n", dump_json(object).c_str());
   }
-  return exit_failed;
+  const bool waits = error.kind == ErrorKind::stopped || error.kind == ErrorKind::waiting;
+  return waits ? exit_stopped : exit_failed;
 }
 
 int print_result(const Result<nlohmann::ordered_json>& result, bool json,
@@ -26,10 +27,6 @@ int print_result(const Result<nlohmann::ordered_json>& result, bool json,
   if (!result) return report_error(result.error(), json);
   std::printf("%s\n", (json ? dump_json(*result) : words(*result)).c_str());
   return exit_done;
-}
-
-void print_notes(const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) std::fprintf(stderr, "lumifield: note: %s\n", note.c_str());
 }
 
 nlohmann::ordered_json method_summary(const MethodSettings& settings) {
@@ -43,6 +40,22 @@ nlohmann::ordered_json method_summary(const MethodSettings& settings) {
   if (settings.method == Method::shift_invariant) summary["spots"] = to_string(settings.spots.look_up);
   if (averages_light(settings.method)) summary["filter"] = settings.filter ? "on" : "off";
   return summary;
+}
+
+std::string method_words(const nlohmann::ordered_json& summary) {
+  std::string text = summary["method"].get<std::string>();
+  for (const char* count : {"samples", "lights"})
+    if (summary.contains(count)) {
+      char words[40];
+      std::snprintf(words, sizeof words, " with %.0f %s", summary[count].get<double>(), count);
+      text += words;
+    }
+  if (summary.value("lod", 0.0) > 0) {
+    char words[40];
+    std::snprintf(words, sizeof words, " at %g pixels per support", summary["lod"].get<double>());
+    text += words;
+  }
+  return summary.value("filter", "on") == "off" ? text + ", unfiltered" : text;
 }
 
 }  // namespace lumifield

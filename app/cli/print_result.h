@@ -18,10 +18,9 @@ std::string dump_json(const nlohmann::ordered_json& json);
 int print_result(const Result<nlohmann::ordered_json>& result, bool json,
                  const std::function<std::string(const nlohmann::ordered_json&)>& words);
 
-/// On stderr, one a line.
-void print_notes(const std::vector<std::string>& notes);
-
 /// What a summary says of a method: what it has use for.
 nlohmann::ordered_json method_summary(const MethodSettings& settings);
+/// The same for people: "mis with 200 samples".
+std::string method_words(const nlohmann::ordered_json& summary);
 
 }  // namespace lumifield

@@ -1,12 +1,15 @@
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "app/cli/commands.h"
+#include "app/cli/noted_files.h"
+#include "app/cli/piecewise.h"
 #include "app/cli/points_csv.h"
 #include "app/cli/print_result.h"
-#include "luminaire/dataset.h"
+#include "app/cli/stop_signal.h"
 #include "renderer/methods/device_method.h"
 #include "renderer/methods/host_method.h"
 
@@ -29,7 +32,10 @@ Result<Values> by_host_form(const LightField& light_field, const std::vector<Rec
   const auto form = make_host_method(light_field, settings);
   if (!form) return tl::unexpected(form.error());
   Values values;
+  Piecewise pieces(with_stated_error ? "irradiance and stated error" : "irradiance");
   for (std::size_t k = 0; k < points.size(); ++k) {
+    if (Status done = pieces.done(static_cast<double>(k) / static_cast<double>(points.size())); !done)
+      return tl::unexpected(done.error());
     const auto number = static_cast<std::uint32_t>(k);
     const Result<Estimate> one = with_stated_error
                                      ? (*form)->estimate(points[k], number)
@@ -54,7 +60,13 @@ Result<std::vector<double>> probe_device(const LightField& light_field, const st
   if (!method) return tl::unexpected(method.error());
   if (Status set = (*method)->set_cells(light_field); !set) return tl::unexpected(set.error());
   if (Status set = (*method)->set_receivers(points); !set) return tl::unexpected(set.error());
-  if (const auto done = (*method)->evaluate(HUGE_VAL); !done) return tl::unexpected(done.error());
+  Piecewise pieces("irradiance");
+  for (bool all = false; !all;) {
+    const auto evaluated = (*method)->evaluate(piece_s);
+    if (!evaluated) return tl::unexpected(evaluated.error());
+    all = *evaluated;
+    if (Status done = pieces.done((*method)->share_done()); !done) return tl::unexpected(done.error());
+  }
   std::vector<double> irradiance;
   if (Status read = (*method)->read(irradiance); !read) return tl::unexpected(read.error());
   return irradiance;
@@ -74,26 +86,50 @@ Result<Values> by_device_form(const LightField& light_field, const std::vector<R
   return values;
 }
 
-Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
-  auto points = read_points_csv(options.points);
-  if (!points) return tl::unexpected(points.error());
-  auto dataset = read_dataset(options.luminaire);
-  if (!dataset) return tl::unexpected(dataset.error());
-  print_notes(dataset->index.notes);
-  const Coverage coverage = dataset->light_field.coverage();
-  if (!coverage.complete())
-    std::fprintf(stderr, "lumifield: note: %d of %d cells are unmeasured and add nothing\n",
-                 coverage.total - coverage.measured, coverage.total);
+/// What the values do not tell by themselves.
+void print_value_notes(const std::vector<Receiver>& points, const MethodInfo& method, const Values& values) {
+  const auto count_of = [&](std::ptrdiff_t count) {
+    return std::to_string(count) + " of " + std::to_string(points.size()) + " points";
+  };
+  const auto behind = std::ranges::count_if(points, [](const Receiver& r) { return !(r.p_mm.z() > 0); });
+  if (behind > 0) print_note(count_of(behind) + " are behind the luminaire or in its plane (z_mm of 0 or less): 0");
+  if (method.samples == 0 || values.stated_error.empty()) return;
+  // As the study refuses.
+  constexpr double largest_share = 0.25;
+  const std::size_t channels = values.irradiance.size() / points.size();
+  std::ptrdiff_t unsure = 0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    bool any = false;
+    for (std::size_t c = k * channels; c < (k + 1) * channels; ++c)
+      any = any || values.stated_error[c] > largest_share * std::abs(values.irradiance[c]);
+    unsure += any;
+  }
+  if (unsure > 0)
+    print_note("at " + count_of(unsure) +
+               " the stated error is above a quarter of the value: take more --samples, or " + "closed-form");
+}
 
+Result<nlohmann::ordered_json> probe(const ProbeOptions& options) {
   const MethodSettings settings = method_settings(options);
   if (settings.method == Method::reference && options.device == "opencl")
     return fail("the reference has no OpenCL form", "--device", "take host, or the closed form");
+  if (Status writable = check_writable(options.out); !writable) return tl::unexpected(writable.error());
+  stop_on_signals();
+  std::vector<std::string> notes;
+  auto points = read_points_csv(options.points, notes);
+  if (!points) return tl::unexpected(points.error());
+  for (const std::string& note : notes) print_note(note);
+  auto dataset = read_noted_dataset(options.luminaire);
+  if (!dataset) return tl::unexpected(dataset.error());
   const auto start = std::chrono::steady_clock::now();
   const auto probed = options.device == "opencl" ? by_device_form : by_host_form;
   const auto values = probed(dataset->light_field, *points, settings, options.stated_error);
   if (!values) return tl::unexpected(values.error());
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
+  print_value_notes(*points, info(settings.method), *values);
+
+  const Coverage coverage = dataset->light_field.coverage();
   const LuminaireGeometry& geometry = dataset->light_field.geometry();
   if (Status written =
           write_points_csv(options.out, *points, geometry.channels, values->irradiance, values->stated_error);

@@ -83,10 +83,7 @@ int run_rehearse(const RehearseOptions& options) {
     line.show(std::string(to_string(progress.state)) + (at_a_place ? ", " + progress.place : ""), at_a_place ? 1 : 0);
   });
   line.end();
-  if (!told) {
-    report_error(told.error(), options.json);
-    return told.error().kind == ErrorKind::stopped ? exit_stopped : exit_failed;
-  }
+  if (!told) return report_error(told.error(), options.json);
   std::fputs((options.json ? dump_json(json_of(*told)) + "\n" : words(*told)).c_str(), stdout);
   return has_room(*told) ? exit_done : exit_failed;
 }

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "app/cli/commands.h"
+#include "app/cli/noted_files.h"
 #include "app/cli/scan_report.h"
 #include "app/cli/stop_on_signal.h"
 #include "app/session/scan_session.h"
@@ -29,10 +30,12 @@ Status prepare_folder(const std::filesystem::path& folder) {
 
 Result<ScanRequest> make_request(const ScanOptions& options) {
   ScanRequest request;
-  auto bench = read_bench(options.bench);
+  std::vector<std::string> notes;
+  auto bench = read_bench(options.bench, &notes, ReaderNotes::ignored);
   if (!bench) return tl::unexpected(bench.error());
-  auto plan = read_plan(options.plan);
+  auto plan = read_plan(options.plan, &notes, ReaderNotes::ignored);
   if (!plan) return tl::unexpected(plan.error());
+  for (const std::string& note : notes) print_note(note);
   const auto size = parse_size(options.size);
   if (!size) return tl::unexpected(size.error());
   request.bench = std::move(*bench);
@@ -43,7 +46,7 @@ Result<ScanRequest> make_request(const ScanOptions& options) {
   request.accept_drift = options.accept_drift;
   std::tie(request.preview_width_px, request.preview_height_px) = *size;
   if (!options.preview.empty()) {
-    auto scene = read_scene(options.preview);
+    auto scene = read_noted_scene(options.preview);
     if (!scene) return tl::unexpected(scene.error());
     request.preview = std::move(*scene);
     request.picture_shares = {0.05, 0.5, 1};
@@ -97,8 +100,7 @@ int run_scan(const ScanOptions& options) {
   auto summary = (*session)->wait();
   if (!summary) {
     line.end();
-    report_error(summary.error(), options.json);
-    return summary.error().kind == ErrorKind::fault ? exit_failed : exit_stopped;
+    return report_error(summary.error(), options.json);
   }
   line.done(*summary);
   std::fputs((options.json ? summary_json(*summary) + "\n" : summary_text(*summary)).c_str(), stdout);

@@ -39,4 +39,11 @@ std::string minutes_text(double seconds) {
   return text;
 }
 
+std::string share_text(double share, double elapsed_s) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%3.0f %%, ", 100 * share);
+  const std::string left = share > 0 ? ", " + minutes_text(elapsed_s * (1 - share) / share) + " left" : "";
+  return text + minutes_text(elapsed_s) + " elapsed" + left;
+}
+
 }  // namespace lumifield

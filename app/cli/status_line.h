@@ -24,5 +24,7 @@ class StatusLine {
 
 /// "1:15", minutes and seconds.
 std::string minutes_text(double seconds);
+/// " 12 %, 0:05 elapsed, 0:37 left", by the time that the share took; without what is left before there is any.
+std::string share_text(double share, double elapsed_s);
 
 }  // namespace lumifield

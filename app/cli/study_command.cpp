@@ -1,14 +1,14 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <unistd.h>
 
 #include "app/cli/commands.h"
-#include "app/cli/print_result.h"
+#include "app/cli/noted_files.h"
 #include "app/cli/status_line.h"
+#include "app/cli/stop_signal.h"
 #include "app/cli/study_report.h"
 #include "app/session/study_file.h"
 #include "luminaire/dataset.h"
@@ -22,18 +22,6 @@ namespace lumifield {
 namespace fs = std::filesystem;
 
 namespace {
-
-volatile std::sig_atomic_t signalled = 0;
-
-/// SIGINT, SIGTERM and SIGHUP stop the study where it next tells its progress; a second one ends the program at once.
-void stop_on_signals() {
-  signalled = 0;
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
-    std::signal(signal, [](int taken) {
-      signalled = 1;
-      std::signal(taken, SIG_DFL);
-    });
-}
 
 /// The folder of the study, made before anything is computed. True: it is new.
 Result<bool> prepare_folder(const fs::path& folder, bool force) {
@@ -52,13 +40,8 @@ Result<bool> prepare_folder(const fs::path& folder, bool force) {
 Result<StudyLuminaire> read_luminaire(const std::string& text) {
   for (const SyntheticLuminaire& each : table_1_luminaires())
     if (each.name == text) return StudyLuminaire{text, make_luminaire(each), true};
-  auto dataset = read_dataset(text);
+  auto dataset = read_noted_dataset(text);
   if (!dataset) return tl::unexpected(dataset.error());
-  print_notes(dataset->index.notes);
-  const Coverage coverage = dataset->light_field.coverage();
-  if (!coverage.complete())
-    std::fprintf(stderr, "lumifield: note: %s: %d of %d cells are unmeasured and add nothing\n", text.c_str(),
-                 coverage.total - coverage.measured, coverage.total);
   fs::path folder = text;
   if (!folder.has_filename()) folder = folder.parent_path();
   return StudyLuminaire{study_luminaire_name(folder.stem().string()), std::move(dataset->light_field)};
@@ -69,7 +52,7 @@ Result<StudyJob> make_job(const StudyOptions& options) {
   job.quick = options.quick;
   job.ladders_only = options.ladders_only;
   job.cache = options.cache.empty() ? cache_folder() : fs::path(options.cache);
-  auto scene = read_scene(options.scene);
+  auto scene = read_noted_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
   job.scene = std::move(*scene);
   if (job.scene.name.empty()) job.scene.name = options.scene;
@@ -95,11 +78,9 @@ Result<Study> run_with_progress(const StudyJob& job) {
   StatusLine line;
   const Clock::time_point start = Clock::now();
   auto study = run_study(job, [&](double share, const std::string& what) {
-    char text[16];
-    std::snprintf(text, sizeof text, "%3.0f %%, ", 100 * share);
     const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
-    line.show(text + minutes_text(elapsed_s) + " elapsed, " + what, static_cast<int>(10 * share));
-    return signalled == 0;
+    line.show(share_text(share, elapsed_s) + ", " + what, static_cast<int>(10 * share));
+    return !stop_wished();
   });
   line.end();
   return study;
@@ -124,11 +105,10 @@ int run_study_command(const StudyOptions& options, WriteStudyChart write_chart) 
   stop_on_signals();
   const auto study = make_study(options, write_chart);
   if (!study) {
-    report_error(study.error(), options.json);
     // One that holds something stays.
     std::error_code kept;
     if (*made) fs::remove(options.out, kept);
-    return study.error().kind == ErrorKind::stopped ? exit_stopped : exit_failed;
+    return report_error(study.error(), options.json);
   }
   const double time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto summary = options.json ? study_summary_json : study_summary_text;

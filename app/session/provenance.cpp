@@ -1,6 +1,7 @@
 #include "app/session/provenance.h"
 
 #include <chrono>
+#include <cmath>
 #include <ctime>
 #include <nlohmann/json.hpp>
 
@@ -60,6 +61,22 @@ std::string provenance_json(const std::string& earlier, const ScanRequest& reque
   if (!scans.is_array()) scans = scans.is_null() ? Json::array() : Json::array({scans});
   scans.push_back(std::move(json));
   return provenance.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::optional<RecordedDrift> largest_drift(const std::string& provenance_json) {
+  const Json provenance = Json::parse(provenance_json, nullptr, false);
+  std::optional<RecordedDrift> largest;
+  try {
+    for (const Json& scan : provenance.at("scans"))
+      for (const Json& reading : scan.at("reference")) {
+        const double drift = reading.at("drift").get<double>();
+        if (!largest || std::abs(drift) > std::abs(largest->drift))
+          largest = {drift, scan.at("plan").at("reference_cell").at("limit").get<double>()};
+      }
+  } catch (const Json::exception&) {
+    return std::nullopt;  // another program's
+  }
+  return largest;
 }
 
 }  // namespace lumifield

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "app/session/scan_session.h"
@@ -11,6 +12,13 @@ namespace lumifield {
 /// it; `ended` is null while the scan runs. Text of a device that is not UTF-8 is kept with replacement characters.
 std::string provenance_json(const std::string& earlier, const ScanRequest& request, const std::string& started_utc,
                             const std::vector<ReferenceReading>& readings, const ScanSummary* ended);
+
+/// Of what a dataset keeps of its making: the largest drift of the reference cell, and the limit of the plan by which
+/// it was scanned then. Empty where no reading is on record.
+struct RecordedDrift {
+  double drift = 0, limit = 0;
+};
+std::optional<RecordedDrift> largest_drift(const std::string& provenance_json);
 
 /// "2026-01-31T12:34:56Z"
 std::string utc_now();

@@ -44,6 +44,8 @@ class DeviceMethod {
   virtual std::string device_name() const = 0;
   /// Kernel time since the evaluation began, seconds.
   virtual double kernel_s() const = 0;
+  /// How much of the evaluation is done, 0 … 1.
+  double share_done() const { return begun_ ? share_computed() : 0; }
 
  protected:
   DeviceMethod(const LuminaireGeometry& geometry, const MethodSettings& settings)
@@ -63,6 +65,8 @@ class DeviceMethod {
   /// Nothing is computed, of the cells, receivers and samples as they are now.
   virtual Status begin() = 0;
   virtual Result<bool> go_on(double seconds) = 0;
+  /// Of the receivers, or the cells, once begun.
+  virtual double share_computed() const = 0;
   /// What `read` and `read_gloss` say, once begun.
   virtual Status read_computed(std::span<double> irradiance) = 0;
   virtual Status read_gloss_computed(std::span<double> radiance) = 0;

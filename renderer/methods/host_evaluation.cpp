@@ -93,6 +93,10 @@ Result<bool> HostEvaluation::go_on(double seconds) {
   return next_ == receivers_.size();
 }
 
+double HostEvaluation::share_computed() const {
+  return static_cast<double>(next_) / static_cast<double>(std::max<std::size_t>(receivers(), 1));
+}
+
 Status HostEvaluation::read_computed(std::span<double> irradiance) {
   std::copy(irradiance_.begin(), irradiance_.end(), irradiance.begin());
   return {};

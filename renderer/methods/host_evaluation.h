@@ -29,6 +29,7 @@ class HostEvaluation final : public DeviceMethod {
   void forget() override { form_.reset(); }
   Status begin() override;
   Result<bool> go_on(double seconds) override;
+  double share_computed() const override;
   Status read_computed(std::span<double> irradiance) override;
   Status read_gloss_computed(std::span<double> radiance) override;
   /// Receivers [begin, end), up to the first error.

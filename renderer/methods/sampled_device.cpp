@@ -142,6 +142,10 @@ Result<bool> SampledDevice::go_on(double seconds) {
   return next_ == receivers();
 }
 
+double SampledDevice::share_computed() const {
+  return static_cast<double>(next_) / static_cast<double>(std::max<std::size_t>(receivers(), 1));
+}
+
 Status SampledDevice::read_computed(std::span<double> irradiance) {
   return device_->read(sums_, std::as_writable_bytes(irradiance));
 }

@@ -42,6 +42,7 @@ class SampledDevice : public DeviceMethod {
   void forget() override { points_made_ = false; }
   Status begin() override;
   Result<bool> go_on(double seconds) override;
+  double share_computed() const override;
   Status read_computed(std::span<double> irradiance) override;
   Status read_gloss_computed(std::span<double> radiance) override;
   Status build();

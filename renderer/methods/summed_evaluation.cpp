@@ -60,6 +60,10 @@ Result<bool> SummedEvaluation::go_on(double seconds) {
   return next_ == cells_.size();
 }
 
+double SummedEvaluation::share_computed() const {
+  return static_cast<double>(next_) / static_cast<double>(std::max<std::size_t>(cells_.size(), 1));
+}
+
 Status SummedEvaluation::read_computed(std::span<double> irradiance) {
   if (next_ < cells_.size()) return {};
   std::vector<double> sums;

@@ -23,6 +23,7 @@ class SummedEvaluation final : public DeviceMethod {
   Status take_receivers(std::span<const Receiver> receivers) override;
   Status begin() override;
   Result<bool> go_on(double seconds) override;
+  double share_computed() const override;
   Status read_computed(std::span<double> irradiance) override;
   Status read_gloss_computed(std::span<double> radiance) override;
   /// Cells of the next piece, where `seconds` are left.

@@ -19,6 +19,7 @@
 #include <string_view>
 #include <utility>
 
+#include "luminaire/exr_reason.h"
 #include "luminaire/file_io.h"
 #include "renderer/srgb.h"
 
@@ -260,7 +261,7 @@ Result<Texture> read_texture(const fs::path& file, std::size_t most_pixels) try 
   if (bytes->starts_with(exr_begins)) return read_exr(*bytes, most_pixels, file);
   return fail("is neither PNG nor OpenEXR", file.string(), "convert it to PNG");
 } catch (const std::exception& exception) {
-  return fail(std::string("OpenEXR says: ") + exception.what(), file.string(), again);
+  return fail("OpenEXR says: " + exr_reason(exception), file.string(), again);
 }
 
 }  // namespace lumifield

@@ -15,8 +15,10 @@ class PointsCsv : public testing::Test {
       std::filesystem::path(testing::TempDir()) / ("points_" + std::to_string(getpid()) + ".csv");
   Result<std::vector<Receiver>> read(const std::string& text) {
     std::ofstream(file_) << text;
-    return read_points_csv(file_);
+    notes_.clear();
+    return read_points_csv(file_, notes_);
   }
+  std::vector<std::string> notes_;
   void refused(const std::string& text, const std::string& place) {
     const auto points = read(text);
     ASSERT_FALSE(points) << text;
@@ -32,15 +34,27 @@ TEST_F(PointsCsv, ColumnsMayComeInAnyOrder) {
   EXPECT_EQ(points->front().n, Vec3(0, 0, -1));
 }
 
+TEST_F(PointsCsv, SpreadsheetsWriteThem) {
+  const auto points = read("\xef\xbb\xbfname,x_mm,y_mm,z_mm,nx,ny,nz,\r\ndesk,1,2,300,0,0,-1,\r\n");
+  ASSERT_TRUE(points) << points.error().message();
+  ASSERT_EQ(points->size(), 1u);
+  EXPECT_EQ(points->front().p_mm, Vec3(1, 2, 300));
+  ASSERT_EQ(notes_.size(), 2u) << "what is not read is told";
+  EXPECT_NE(notes_[0].find("line 1: column 'name' is passed over"), std::string::npos) << notes_[0];
+  ASSERT_TRUE(read("x_mm,y_mm,z_mm,nx,ny,nz\n1,2,3,0,0,1\n"));
+  EXPECT_TRUE(notes_.empty());
+}
+
 TEST_F(PointsCsv, RefusesWithLineAndColumn) {
   refused("", "is empty");
-  refused("x_mm,y_mm,z_mm,nx,ny\n", "line 1");
+  refused("x_mm,y_mm,z_mm,nx,ny\n", "line 1: column 'nz' is missing");
   refused("x_mm,y_mm,z_mm,nx,ny,nx\n", "'nx'");
   refused("x_mm,y_mm,z_mm,nx,ny,nz\n", "no points");
-  refused("x_mm,y_mm,z_mm,nx,ny,nz\n1,2,3,0,0,1\n1,2,3,0,0\n", "line 3");
+  refused("x_mm,y_mm,z_mm,nx,ny,nz\n1,2,3,0,0,1\n1,2,3,0,0\n", "line 3: has 5 columns, the first line 6");
   refused("x_mm,y_mm,z_mm,nx,ny,nz\n1,nan,3,0,0,1\n", "line 2, column y_mm");
   refused("x_mm,y_mm,z_mm,nx,ny,nz\n1,2,3,0,0,2\n", "length 2");
-  EXPECT_FALSE(read_points_csv("/nowhere/points.csv"));
+  refused("x_mm,y_mm,z_mm,nx,ny,nz\n1,2,3,0,0,0\n", "length 0");
+  EXPECT_FALSE(read_points_csv("/nowhere/points.csv", notes_));
 }
 
 TEST_F(PointsCsv, WritesWhatItReads) {

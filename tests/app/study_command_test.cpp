@@ -1,15 +1,13 @@
-#include <chrono>
-#include <csignal>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "app/cli/command_line.h"
 #include "app/cli/study_report.h"
 #include "app/session/study_file.h"
 #include "luminaire/dataset.h"
+#include "tests/support/command_run.h"
 #include "tests/support/dataset_folder.h"
 #include "tests/support/made_up_study.h"
 
@@ -109,21 +107,12 @@ TEST_F(StudyCommand, WhatAStudyFileCannotHoldIsRefusedBeforeItIsMade) {
 
 TEST_F(StudyCommand, ASignalStopsItAndNothingIsLeft) {
   const std::string lamp = dataset("lamp.lumi");
-  const auto handler = [] {
-    struct sigaction now {};
-    sigaction(SIGTERM, nullptr, &now);
-    return now.sa_handler;
-  };
-  const auto before = handler();
-  std::jthread sender([&](std::stop_token over) {
-    while (!over.stop_requested() && handler() == before) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    if (!over.stop_requested()) std::raise(SIGTERM);
-  });
+  const support::Operator one;
   EXPECT_EQ(run({"--luminaire", lamp, "--scene", scene, "--out", study_folder()}), 3) << error;
+  EXPECT_THAT(error, HasSubstr("\nlumifield: stopping; once more ends it at once\n"));
   EXPECT_THAT(error, HasSubstr("stopped"));
   EXPECT_FALSE(std::filesystem::exists(study_folder()));
   EXPECT_TRUE(drawn_into.empty());
-  std::signal(SIGTERM, SIG_DFL);
 }
 
 TEST_F(StudyCommand, WritesStudyTablesAndChart) {
@@ -145,6 +134,7 @@ TEST_F(StudyCommand, WritesStudyTablesAndChart) {
   EXPECT_EQ(summary["points"], study->points.size());
   EXPECT_EQ(summary["luminaires"], nlohmann::json({"lamp", "lamp, in shadow", "lamp, GGX 0.2, in shadow"}));
   EXPECT_THAT(error, HasSubstr("100 %, "));
+  EXPECT_THAT(error, HasSubstr(" elapsed, 0:00 left, "));
 }
 
 TEST(StudyReport, NamesEachMethodsLeastErrorAndWhatFailed) {

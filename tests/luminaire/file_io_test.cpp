@@ -32,6 +32,23 @@ TEST(FileIo, ReplacesRegularFilesAlone) {
   fs::remove_all(folder);
 }
 
+TEST(FileIo, TellsBeforehandWhatCouldNotBeWritten) {
+  const fs::path folder = fs::path(testing::TempDir()) / ("file_io_before_" + std::to_string(getpid()));
+  fs::create_directories(folder / "folder");
+  ASSERT_TRUE(write_file_durably(folder / "file", "text"));
+  EXPECT_TRUE(check_writable(folder / "file"));
+  EXPECT_TRUE(check_writable(folder / "new"));
+  EXPECT_FALSE(fs::exists(folder / "new"));
+  EXPECT_TRUE(check_writable("new_in_this_folder"));
+  // As the writing itself says.
+  for (const char* name : {"folder", "nowhere/file", "file/file"}) {
+    const Status told = check_writable(folder / name), written = write_file_durably(folder / name, "text");
+    ASSERT_FALSE(told || written) << name;
+    EXPECT_EQ(told.error().message(), written.error().message());
+  }
+  fs::remove_all(folder);
+}
+
 TEST(FileIo, NamesTheFileAndNotItsTemporaryName) {
   const Status written = write_file_durably("/nowhere/file", "text");
   ASSERT_FALSE(written);

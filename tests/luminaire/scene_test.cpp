@@ -52,7 +52,21 @@ TEST_F(SceneFile, ReadsTheDocumentedFile) {
   EXPECT_EQ(scene->luminaires[0].pose(2, 3), 1500);
 }
 
+TEST_F(SceneFile, NotesWhatItHoldsWithoutEffect) {
+  Json json = Json::parse(documented);
+  json["enviroment"] = json["environment"];
+  json.erase("environment");
+  std::vector<std::string> notes;
+  ASSERT_TRUE(parse_scene(json.dump(), "scene.json", folder_, &notes, ReaderNotes::ignored));
+  EXPECT_THAT(notes, testing::ElementsAre("scene.json: environment_scale has no effect without \"environment\"",
+                                          "scene.json: enviroment is not known and ignored"));
+  notes.clear();
+  ASSERT_TRUE(parse_scene(documented, "scene.json", folder_, &notes, ReaderNotes::ignored));
+  EXPECT_THAT(notes, testing::IsEmpty());
+}
+
 TEST_F(SceneFile, NamesThePlaceOfWhatIsWrong) {
+  EXPECT_THAT(refusal_with("/environment_scale", 1e300), HasSubstr("make it a number from 0, at most 1e+12"));
   EXPECT_THAT(refusal_with("/materials/wall/diffuse/1", 1.5),
               HasSubstr("scene.json: materials.wall.diffuse[1]: is out"));
   EXPECT_THAT(refusal_with("/materials/floor/specular/0", -0.1), HasSubstr("materials.floor.specular[0]: is out"));

@@ -1,4 +1,5 @@
 // A picture by another method than the closed form, as its cells come and change.
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -55,6 +56,29 @@ TEST_F(RendererMethods, GiveThePictureWithinTheirErrors) {
   EXPECT_GT(apart(by({.method = Method::far_field}), exact), 1e-4);
   EXPECT_GT(apart(by({.method = Method::position_dependent, .samples = 20}), exact), 0.01);
   EXPECT_EQ(apart(by({}), exact), 0) << "and back";
+}
+
+TEST_F(RendererMethods, TellHowMuchIsDoneOfWhatIsSummedInPieces) {
+  ASSERT_TRUE(renderer_->set_luminaire(field_.geometry()));
+  EXPECT_EQ(renderer_->share_surrounded(), 1) << "of an environment that is not";
+  for (const MethodSettings& settings :
+       {MethodSettings{}, {.method = Method::position_dependent, .samples = 100}, {.method = Method::reference}}) {
+    ASSERT_TRUE(renderer_->set_method(settings));
+    ASSERT_TRUE(renderer_->add_all(field_));
+    const Picture at_once = lit(renderer_->picture());
+    ASSERT_TRUE(renderer_->keep_all(field_));
+    EXPECT_EQ(renderer_->waiting(), 6);
+    std::vector<double> shares{renderer_->share_summed()};
+    while (renderer_->waiting() > 0) {
+      ASSERT_TRUE(renderer_->sum_some(0));
+      shares.push_back(renderer_->share_summed());
+    }
+    EXPECT_GT(shares.size(), 2u);
+    EXPECT_TRUE(std::ranges::is_sorted(shares));
+    EXPECT_EQ(shares.back(), 1);
+    EXPECT_LT(shares[shares.size() - 2], 1);
+    EXPECT_LT(apart(lit(renderer_->picture()), at_once), 1e-6) << to_string(settings.method);
+  }
 }
 
 TEST_F(RendererMethods, ACellThatComesOrChangesCountsWithAllOthers) {

@@ -18,11 +18,13 @@
 namespace lumifield {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::FloatNear;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::StartsWith;
 namespace fs = std::filesystem;
 
@@ -215,7 +217,9 @@ TEST_F(TextureTest, BrokenAndLargeFilesAreRefusedByName) {
     EXPECT_THAT(error_of(write("cut.png", good.substr(0, length))), HasSubstr("cut.png: libpng says: ")) << length;
   const std::string linear = bytes_of(exr("good.exr", 30, 30, std::vector<float>(2700, 0.5F)));
   for (const std::size_t length : {4UL, 12UL, 200UL, linear.size() - 20})
-    EXPECT_THAT(error_of(write("cut.exr", linear.substr(0, length))), HasSubstr("cut.exr: ")) << length;
+    EXPECT_THAT(error_of(write("cut.exr", linear.substr(0, length))),
+                AllOf(HasSubstr("cut.exr: "), Not(HasSubstr("(string)")), Not(HasSubstr(".;"))))
+        << length;
   EXPECT_THAT(error_of(folder_ / "good.png", 1599), HasSubstr("good.png: a texture of 40 x 40 pixels is more than"));
   EXPECT_THAT(error_of(folder_ / "good.exr", 899), HasSubstr("good.exr: a texture of 30 x 30 pixels is more than"));
   EXPECT_EQ(error_of(folder_ / "good.png", 1600), "");
