@@ -85,6 +85,9 @@ Quality judge(const CellImage& image, const ScreenFaults& faults, const RawCell&
   q.position_error_mm = raw.position_error_mm;
   q.drift = raw.drift;
   q.dark_dn = dark_dn;
+  for (const RawPass& pass : raw.passes)
+    if (pass.bracket.size() != plan.exposures_s.size())
+      for (const RawImage& frame : pass.bracket) q.exposures_s[pass.name].push_back(frame.exposure_s);
 
   // Compare with the limits
   if (!raw.dark)

@@ -34,7 +34,7 @@ inline constexpr double least_lit_share = 0.001;
 /// saturated_share: pixels of S with less than half of what covers them valid, in any channel. starved_share: pixels
 /// whose mean signal in the longest exposure is within the read noise, in every channel. median_snr: median of value/σ
 /// over the lit pixels of all channels; NaN for a dark cell, which is no fault. dark_dn: `dark_dn`, NaN without a dark
-/// set, which is a warning too. Pure.
+/// set, which is a warning too. exposures_s: of the passes that have more or fewer than the plan. Pure.
 Quality judge(const CellImage& image, const ScreenFaults& faults, const RawCell& raw, double dark_dn,
               const Bench& bench, const Plan& plan);
 

@@ -102,7 +102,7 @@ FilterSlide read_filter(const JsonValue& at) {
   f.basis = kinds[at["basis"].choice(bases)];
   f.spacing_mm = at["spacing_mm"].vec2(positive);
   f.window = at["window"].integer(static_cast<int>(std::ceil(2 * Basis(f.basis).half_support())), 64);
-  for (const JsonValue& each : at["passes"].elements(1, 16)) {
+  for (const JsonValue& each : at["passes"].elements(1, most_passes)) {
     FilterPass& pass = f.passes.emplace_back();
     pass.name = each["name"].text();
     pass.offset_mm = each["offset_mm"].vec2();

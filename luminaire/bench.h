@@ -68,6 +68,8 @@ struct Sensor {
   std::string responsivity_date, responsivity_source;  ///< empty = uncalibrated: the dataset is `relative`
 };
 
+inline constexpr std::size_t most_passes = 16;
+
 /// One stage offset: with the stage at q + offset_mm the pass' filter stands where the first one stood at q.
 struct FilterPass {
   std::string name;

@@ -166,7 +166,7 @@ Result<CellExr> decode(std::string_view bytes, const LuminaireGeometry& geometry
 
 Quality unknown_quality() {
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  return {unknown, unknown, unknown, unknown, unknown, unknown, {}};
+  return {unknown, unknown, unknown, unknown, unknown, unknown, {}, {}};
 }
 
 Result<std::string> encode_cell_exr(const CellImage& image, const LuminaireGeometry& geometry, CellIndex cell,

@@ -3,6 +3,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -90,6 +91,8 @@ struct Quality {
   double drift = 0;                   ///< relative change of the reference cell since the scan began
   double dark_dn = 0;                 ///< mean of the dark set subtracted, longest exposure, DN
   std::vector<std::string> warnings;  ///< the plan's limits that this cell breaks, in words
+  /// As the camera reports them, of each pass by its name that took others than the plan's; empty: none did.
+  std::map<std::string, std::vector<double>> exposures_s;
 };
 
 /// C_m of one cell: planar float32, L-units per mm², channel by channel, j = 0 first. Moved, never shared while

@@ -5,9 +5,11 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "luminaire/bench.h"
 #include "luminaire/dataset.h"
 #include "luminaire/file_io.h"
 #include "luminaire/json_geometry.h"
+#include "luminaire/plan.h"
 
 namespace lumifield {
 namespace {
@@ -71,6 +73,9 @@ Quality read_quality(const JsonValue& at) {
   q.dark_dn = read_figure(at["dark_dn"], any_number);
   if (at["warnings"].present())
     for (const JsonValue& each : at["warnings"].elements(0, 1000)) q.warnings.push_back(each.text());
+  if (const JsonValue exposures = at["exposures_s"]; exposures.present())
+    for (const std::string& pass : exposures.keys(most_passes))
+      q.exposures_s[pass] = exposures[pass].numbers(1, most_exposures, {0, 3600, true});
   return q;
 }
 
@@ -100,13 +105,15 @@ CellEntry read_entry(const JsonValue& at, const Sampling& sampling) {
 
 /// Numbers that are not finite are written as null.
 Json json_of(const Quality& q) {
-  return {{"saturated_share", q.saturated_share},
-          {"starved_share", q.starved_share},
-          {"median_snr", q.median_snr},
-          {"position_error_mm", q.position_error_mm},
-          {"drift", q.drift},
-          {"dark_dn", q.dark_dn},
-          {"warnings", q.warnings}};
+  Json json = {{"saturated_share", q.saturated_share},
+               {"starved_share", q.starved_share},
+               {"median_snr", q.median_snr},
+               {"position_error_mm", q.position_error_mm},
+               {"drift", q.drift},
+               {"dark_dn", q.dark_dn},
+               {"warnings", q.warnings}};
+  if (!q.exposures_s.empty()) json["exposures_s"] = q.exposures_s;
+  return json;
 }
 
 Json json_of(const CellEntry& entry) {

@@ -13,10 +13,23 @@ constexpr int version = 1;
 constexpr std::string_view orders[] = {"serpentine", "coarse-to-fine"};
 
 std::vector<double> read_exposures(const JsonValue& at) {
-  const std::vector<double> exposures = at.numbers(1, 64, {0, 3600, true});
+  const std::vector<double> exposures = at.numbers(1, most_exposures, {0, 3600, true});
   for (std::size_t k = 1; k < exposures.size(); ++k)
     if (!(exposures[k] > exposures[k - 1])) at.refuse("does not ascend", "order it from the shortest to the longest");
   return exposures;
+}
+
+std::optional<ExposureLimits> read_exposure_limits(const JsonValue& at, const std::vector<double>& exposures_s) {
+  if (!at.present()) {
+    if (!exposures_s.empty())
+      at.note_default(nlohmann::json({exposures_s.front(), exposures_s.back()}).dump() +
+                      ", the plan's exposures alone");
+    return std::nullopt;
+  }
+  const std::vector<double> ends = at.numbers(2, 2, {0, 3600, true});
+  if (ends.size() != 2) return std::nullopt;
+  if (ends[1] < ends[0]) at.refuse("does not ascend", "give the shortest exposure first, then the longest");
+  return ExposureLimits{ends[0], ends[1]};
 }
 
 ReferenceCell read_reference(const JsonValue& at, int columns, int rows) {
@@ -54,6 +67,7 @@ Result<Plan> parse_plan(std::string_view json, std::string_view name, std::vecto
   p.measurement = read_measurement(root["measurement"], &p.measurement.center_mm);
   check_image(root["measurement"], p.measurement, 3);
   p.exposures_s = read_exposures(root["exposures_s"]);
+  p.exposure_limits_s = read_exposure_limits(root["exposure_limits_s"], p.exposures_s);
   p.settle_s = root["settle_s"].number_or(p.settle_s, {0, 3600});
   p.dark_every_cells = root["dark_every_cells"].integer_or(p.dark_every_cells, 0, most_cells);
   p.reference = read_reference(root["reference_cell"], p.columns, p.rows);
@@ -80,6 +94,10 @@ std::string to_json(const Plan& p) {
   json["order"] = p.order == ScanOrder::serpentine ? "serpentine" : "coarse-to-fine";
   json["measurement"] = to_json_object(p.measurement);
   json["exposures_s"] = p.exposures_s;
+  if (p.exposure_limits_s)
+    json["exposure_limits_s"] = {p.exposure_limits_s->shortest_s, p.exposure_limits_s->longest_s};
+  else if (!p.exposures_s.empty())
+    json["exposure_limits_s"] = {p.exposures_s.front(), p.exposures_s.back()};
   json["settle_s"] = p.settle_s;
   json["dark_every_cells"] = p.dark_every_cells;
   json["reference_cell"] = {{"row", p.reference.cell.row},

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +24,14 @@ struct QualityLimits {
   double median_snr = 20;  ///< of the lit pixels: those above 1 % of the reference cell's mean (calibration/quality.h)
 };
 
+/// Of one stage position: sizes are bounded before memory is taken.
+inline constexpr std::size_t most_exposures = 64;
+
+/// Between which exposures a scan may choose by itself; both ends included.
+struct ExposureLimits {
+  double shortest_s = 0, longest_s = 0;
+};
+
 /// The plan file ("format": "lumifield-plan", version 1): what to scan and how carefully. Value type.
 struct Plan {
   std::string name;
@@ -30,6 +40,10 @@ struct Plan {
   ScanOrder order = ScanOrder::serpentine;
   Measurement measurement;
   std::vector<double> exposures_s;  ///< ascending
+  /// Where a cell saturates or starves, exposures beyond the plan's are taken within these, in their ratio
+  /// (acquisition/scan/exposure_ladder.h); absent: the plan's alone. What lamp, camera and patience stand is the
+  /// operator's to say: scan_rules.h
+  std::optional<ExposureLimits> exposure_limits_s;
   double settle_s = 0.15;
   int dark_every_cells = 0;  ///< 0 = one dark set, at the start
   ReferenceCell reference;

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <optional>
 
+#include "acquisition/scan/exposure_ladder.h"
+
 namespace lumifield {
 
 namespace {
@@ -35,17 +37,21 @@ double move_time_s(const StageSpeed& speed, const Vec2& from_mm, const Vec2& to_
 
 std::vector<double> step_times_s(const std::vector<ScanStep>& steps, const Bench& bench, const Plan& plan,
                                  const StageSpeed& speed) {
-  const double exposures_s = std::accumulate(plan.exposures_s.begin(), plan.exposures_s.end(), 0.0);
-  const double standing_s =
-      plan.settle_s + exposures_s + static_cast<double>(plan.exposures_s.size()) * bench.camera.readout_s;
+  const auto standing_s = [&](const std::vector<double>& exposures_s) {
+    return plan.settle_s + std::accumulate(exposures_s.begin(), exposures_s.end(), 0.0) +
+           static_cast<double>(exposures_s.size()) * bench.camera.readout_s;
+  };
+  const double lit_s = standing_s(plan.exposures_s), dark_s = standing_s(exposure_ladder(plan).exposures_s);
 
   std::vector<double> times;
   std::optional<Vec2> at;
   for (const ScanStep& step : steps) {
     double time = times.empty() ? plan.warm_up_s : 0;
     for (const Vec2& target : std::visit([](const auto& s) { return std::vector<Vec2>(targets_of(s)); }, step)) {
-      time += (std::holds_alternative<VisitStep>(step) ? plan.settle_s : standing_s) +
-              (at ? move_time_s(speed, *at, target) : 0);
+      const double standing_s = std::holds_alternative<VisitStep>(step)  ? plan.settle_s
+                                : std::holds_alternative<DarkStep>(step) ? dark_s
+                                                                         : lit_s;
+      time += standing_s + (at ? move_time_s(speed, *at, target) : 0);
       at = target;
     }
     times.push_back(time);

@@ -20,8 +20,9 @@ StageSpeed stage_speed(const StageSettings& settings, const StageSpeed& reported
 /// co-ordinated, and it limits).
 double move_time_s(const StageSpeed& speed, const Vec2& from_mm, const Vec2& to_mm);
 
-/// Predicted time of every step: moves, settling, exposures, read-outs. The first step's move is left out, since it
-/// starts at an unknown place, and so is homing; the warm-up counts to the first step.
+/// Predicted time of every step: moves, settling, exposures, read-outs. Cells count with the plan's exposures, since
+/// which of them need others is not known before; dark sets with all that the plan allows. The first step's move is
+/// left out, since it starts at an unknown place, and so is homing; the warm-up counts to the first step.
 std::vector<double> step_times_s(const std::vector<ScanStep>& steps, const Bench& bench, const Plan& plan,
                                  const StageSpeed& speed);
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 
 #include "luminaire/error.h"
 #include "luminaire/raw_image.h"
@@ -19,9 +20,11 @@ class ReferenceDrift {
   explicit ReferenceDrift(const ReferenceReading& first)
       : earlier_exposure_s_(first.exposure_s), first_dn_per_s_(first.signal_dn_per_s) {}
 
+  /// `dark`: the dark frame of each frame of `lit`.
   /// Errors: every exposure saturates, no light above five standard errors, frames that do not fit the dark set's, none
   /// at the exposure of the earlier scan.
-  Result<ReferenceReading> read(const Bracket& lit, const Bracket& dark, double saturation_dn, int cells_done);
+  Result<ReferenceReading> read(const Bracket& lit, std::span<const RawImage> dark, double saturation_dn,
+                                int cells_done);
 
   /// Of the last reading; 0 before the first.
   double drift() const { return drift_; }

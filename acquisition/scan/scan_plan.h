@@ -40,7 +40,7 @@ struct ScanPlan {
   int cells = 0;                ///< to be scanned
   int cells_before = 0;         ///< of the grid, left out as done before
   double predicted_s =
-      0;  ///< from the stage's speed and acceleration, settle, exposure and readout times. Speeds of 0
+      0;  ///< from the stage's speed and acceleration, settle, readout and the plan's exposure times. Speeds of 0
           ///< in the bench file count as 10 mm/s and 50 mm/s²: fill in what the controller reports first
 };
 
@@ -56,7 +56,8 @@ CellStep make_cell_step(const Bench& bench, const Plan& plan, CellIndex cell, co
 /// Refuses, with the number needed: a target outside the limits; filters or opaque patch closer than half the grid +
 /// half the lamp + half the dual window (another filter would stand before the lamp); a grid without some cell whose
 /// dual window touches the lamp; scales that are not the dual's within 1 %; a reference cell outside the grid;
-/// exposures outside (0, 10 s] or not ascending; a singular stage frame. Cells in `done` are left out.
+/// exposures outside (0, 10 s] or not ascending, exposure limits outside or that do not hold them; a singular stage
+/// frame. Cells in `done` are left out.
 Result<ScanPlan> make_scan_plan(const Bench& bench, const Plan& plan, const std::set<CellIndex>& done = {});
 
 /// What tells before a scan whether it will go through: a dark set, the grid's corners in every pass, the reference

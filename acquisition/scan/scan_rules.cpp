@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "acquisition/scan/exposure_ladder.h"
 #include "acquisition/scan/wording.h"
 
 namespace lumifield {
@@ -53,6 +54,25 @@ Status check_times(const Plan& plan) {
   if (!(plan.settle_s >= 0 && plan.settle_s <= 3600 && plan.warm_up_s >= 0 && plan.warm_up_s <= 86400))
     return fail("a waiting time is negative or too long", "plan: settle_s, warm_up_s",
                 "settle at most 3600 s, warm up at most 86400 s");
+  return {};
+}
+
+Status check_exposure_limits(const Plan& plan) {
+  if (!plan.exposure_limits_s) return {};
+  const char* where = "plan: exposure_limits_s";
+  const auto [shortest_s, longest_s] = *plan.exposure_limits_s;
+  const std::string limits = say(shortest_s) + " … " + say(longest_s) + " s";
+  if (!(shortest_s > 0 && longest_s <= longest_exposure_s))
+    return fail(limits + " lie outside 0 < t ≤ " + say(longest_exposure_s) + " s", where,
+                "give exposure times in seconds");
+  if (!(shortest_s <= plan.exposures_s.front() && longest_s >= plan.exposures_s.back()))
+    return fail(limits + " do not hold the plan's exposures of " + say(plan.exposures_s.front()) + " … " +
+                    say(plan.exposures_s.back()) + " s",
+                where, "widen them, or leave out exposures of the plan");
+  if (exposure_ladder(plan).size() > most_exposures)
+    return fail("between " + limits + " lie more than " + std::to_string(most_exposures) +
+                    " exposures in the ratio of the plan's",
+                where, "narrow them, or give the plan's exposures a larger ratio");
   return {};
 }
 
@@ -145,6 +165,7 @@ GridSize needed_grid(const Bench& bench, const Plan& plan) {
 Status check_rules(const Bench& bench, const Plan& plan) {
   if (Status status = check_grid(plan); !status) return status;
   if (Status status = check_times(plan); !status) return status;
+  if (Status status = check_exposure_limits(plan); !status) return status;
   if (Status status = check_bench_numbers(bench); !status) return status;
   if (Status status = check_scales(bench.filter); !status) return status;
   if (Status status = check_cover(bench, plan); !status) return status;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <span>
 #include <utility>
 
 #include "acquisition/scan/scan_rules.h"
@@ -33,6 +34,7 @@ Status Scanner::run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop,
   const std::stop_callback at_stop(stop_, end_now), at_abandon(abandon, end_now);
   begin_s_ = first_step_s_ = clock_.now_s();
   warm_up_left_s_ = plan_.warm_up_s;
+  ladder_ = exposure_ladder(plan_);
   progress_.cells_done = progress_.cells_before = steps.cells_before;
   progress_.cells_total = steps.cells_before + steps.cells;
   const StageSpeed reported{stage().info().rapid_mm_s, stage().info().acceleration_mm_s2};
@@ -104,7 +106,7 @@ void Scanner::work_on(std::string place, std::optional<CellIndex> cell) {
 
 Status Scanner::take(const DarkStep& step) {
   work_on("dark set " + std::to_string(step.block + 1));
-  Result<Standing> dark = bracket_at(step.stage_mm, progress_.place);
+  Result<Standing> dark = bracket_at(step.stage_mm, progress_.place, Exposures::ladder);
   if (!dark) return tl::unexpected(std::move(dark).error());
   enter(ScanState::delivering);
   dark_ = std::make_shared<const DarkSet>(DarkSet{std::move(dark->bracket), step.block});
@@ -114,10 +116,10 @@ Status Scanner::take(const DarkStep& step) {
 Status Scanner::take(const ReferenceStep& step) {
   const std::string place = "reference cell " + to_string(plan_.reference.cell);
   work_on(place);
-  Result<Standing> lit = bracket_at(step.stage_mm, place);
+  Result<Standing> lit = bracket_at(step.stage_mm, place, Exposures::plan);
   if (!lit) return tl::unexpected(std::move(lit).error());
-  Result<ReferenceReading> reading =
-      drift_.read(lit->bracket, dark_->bracket, bench_.sensor.saturation_dn, step.cells_done);
+  const std::span<const RawImage> dark = std::span(dark_->bracket).subspan(ladder_.plan_begin, lit->bracket.size());
+  Result<ReferenceReading> reading = drift_.read(lit->bracket, dark, bench_.sensor.saturation_dn, step.cells_done);
   if (!reading) return blame(Culprit::lamp, place, std::move(reading).error());
   reference_read_ = true;
   reference_due_ = false;
@@ -134,7 +136,8 @@ Status Scanner::take(const CellStep& step) {
   for (std::size_t k = 0; k < step.pass_order.size(); ++k) {
     const auto index = static_cast<std::size_t>(step.pass_order[k]);
     const std::string& name = bench_.filter.passes[index].name;
-    Result<Standing> pass = bracket_at(step.stage_mm[k], "cell " + to_string(step.cell) + ", pass " + name);
+    Result<Standing> pass =
+        bracket_at(step.stage_mm[k], "cell " + to_string(step.cell) + ", pass " + name, Exposures::adapted);
     if (!pass) return tl::unexpected(std::move(pass).error());
     raw.position_error_mm = std::max(raw.position_error_mm, pass->position_error_mm);
     raw.passes[index] = RawPass{name, std::move(pass->bracket), pass->stage_mm};
@@ -156,12 +159,12 @@ Status Scanner::take(const VisitStep& step) {
   return stands ? Status{} : tl::unexpected(stands.error());
 }
 
-Result<Scanner::Standing> Scanner::bracket_at(const Vec2& target_mm, const std::string& place) {
+Result<Scanner::Standing> Scanner::bracket_at(const Vec2& target_mm, const std::string& place, Exposures exposures) {
   double moved_mm = 0;
   for (int attempt = 0; attempt < attempts; ++attempt) {
     const Result<Vec2> before = stand_at(target_mm, place);
     if (!before) return tl::unexpected(before.error());
-    Result<Bracket> bracket = expose_bracket(*before, place);
+    Result<Bracket> bracket = expose_bracket(*before, place, exposures);
     if (!bracket) return tl::unexpected(std::move(bracket).error());
     const Result<Vec2> after = stage().position();
     if (!after) return blame(Culprit::stage, place, after.error());
@@ -204,31 +207,6 @@ Result<Vec2> Scanner::stand_at(const Vec2& target_mm, const std::string& place) 
                     " mm are allowed",
                 {},
                 "check for a blocked axis, lost steps or a tolerance below the stage's resolution, then resume"});
-}
-
-Result<Bracket> Scanner::expose_bracket(const Vec2& stage_mm, const std::string& place) {
-  enter(ScanState::exposing);
-  Bracket bracket;
-  bracket.reserve(plan_.exposures_s.size());
-  for (double exposure_s : plan_.exposures_s) {
-    if (end_.stop_requested()) return scan_stopped();
-    Result<RawImage> frame = expose_frame(exposure_s);
-    if (!frame) return blame(Culprit::camera, place, std::move(frame).error());
-    frame->stage_mm = stage_mm;
-    bracket.push_back(std::move(*frame));
-  }
-  return bracket;
-}
-
-Result<RawImage> Scanner::expose_frame(double exposure_s) {
-  const double begin_s = clock_.now_s();
-  Result<RawImage> frame = camera().expose(exposure_s);
-  if (!frame) return frame;
-  const double spent_s = clock_.now_s() - begin_s;
-  const double exposed_s = std::min(frame->exposure_s, spent_s);
-  timing_.exposure_s += exposed_s;
-  timing_.readout_s += std::min(spent_s - exposed_s, bench_.camera.readout_s);
-  return frame;
 }
 
 Status Scanner::home() {

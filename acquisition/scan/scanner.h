@@ -9,6 +9,7 @@
 #include "acquisition/camera.h"
 #include "acquisition/scan/bench_clock.h"
 #include "acquisition/scan/device_recovery.h"
+#include "acquisition/scan/exposure_ladder.h"
 #include "acquisition/scan/motion_time.h"
 #include "acquisition/scan/reference_drift.h"
 #include "acquisition/scan/scan_control.h"
@@ -67,6 +68,12 @@ class ScanSink {
 /// is handed on as soon as its last pass is exposed, and the stage moves on at once. At the end and after a device
 /// error the stage is parked behind the opaque patch; at a stop it is halted and stays.
 ///
+/// Exposures. The reference cell is taken with the plan's, dark sets with the whole ExposureLadder, so that every frame
+/// has its dark frame. Each pass of a cell begins with the plan's: while its shortest frame is_saturated by more than
+/// the plan's limits.saturated_share, the next shorter one is taken; while its longest may_be_longer, the next longer.
+/// A frame in which nothing stands above its dark frame by more than five standard errors, the mean over all pixels
+/// taken, calls for no longer one: most cells at the rim of the grid are dark, and would each go to the longest.
+///
 /// Troubles. A camera that fails is opened again until it is back, and the step begun anew (recover_with). One that
 /// stays away, a stage that fails, stands wrong or does not hold, and a lamp that drifted beyond the plan's limit pause
 /// the scan with the stage halted, if somebody attends (ScanControl): on their word the stage is opened and homed
@@ -113,6 +120,7 @@ class Scanner {
   };
 
   enum class Culprit { none, camera, stage, lamp };
+  enum class Exposures { plan, ladder, adapted };
 
   Camera& camera() { return recovery_ ? recovery_->camera() : camera_; }
   Stage& stage() { return recovery_ ? recovery_->stage() : stage_; }
@@ -134,9 +142,11 @@ class Scanner {
   Status pause();
   Status retake(CellIndex cell);
   void work_on(std::string place, std::optional<CellIndex> cell = {});
-  Result<Standing> bracket_at(const Vec2& target_mm, const std::string& place);
+  Result<Standing> bracket_at(const Vec2& target_mm, const std::string& place, Exposures exposures);
   Result<Vec2> stand_at(const Vec2& target_mm, const std::string& place);
-  Result<Bracket> expose_bracket(const Vec2& stage_mm, const std::string& place);
+  Result<Bracket> expose_bracket(const Vec2& stage_mm, const std::string& place, Exposures exposures);
+  Status adapt(Bracket& bracket, const Vec2& stage_mm, const std::string& place);
+  Result<RawImage> expose_at(double exposure_s, const Vec2& stage_mm, const std::string& place);
   Result<RawImage> expose_frame(double exposure_s);
   Status home();
   Status park();
@@ -158,6 +168,7 @@ class Scanner {
   std::stop_source end_;  ///< asked to stop by either
   ScanProgress progress_;
   TimeLeft time_left_;
+  ExposureLadder ladder_;
   double begin_s_ = 0, first_step_s_ = 0, warm_up_left_s_ = 0;
   std::shared_ptr<const DarkSet> dark_;
   bool reference_read_ = false;

@@ -90,6 +90,7 @@ std::string summary_text(const ScanSummary& s) {
   text += format("  reference %zu readings, largest drift %+.3f %%\n", s.references.size(), 100 * largest_drift(s));
   text +=
       format("  quality   %d cells with warnings, %d frames taken again\n", s.cells_with_warnings, s.frames_retaken);
+  if (s.cells_adapted > 0) text += format("            %d cells with adapted exposures\n", s.cells_adapted);
   if (s.cameras_lost > 0) text += format("  camera    was gone %d times, %.1f s in all\n", s.cameras_lost, t.lost_s);
   text += "            (SNR is the median over lit pixels: above 1 % of the reference cell's mean)\n";
   return text;
@@ -116,6 +117,7 @@ std::string summary_json(const ScanSummary& s) {
   json["frames_retaken"] = s.frames_retaken;
   json["cameras_lost"] = s.cameras_lost;
   json["cells_with_warnings"] = s.cells_with_warnings;
+  json["cells_with_adapted_exposures"] = s.cells_adapted;
   json["opengl"] = s.opengl;
   json["opencl"] = s.opencl;
   return dump_json(json);

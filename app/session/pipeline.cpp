@@ -79,7 +79,8 @@ std::string joined(const std::vector<std::string>& texts) {
   return text;
 }
 
-Status develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings) {
+Status develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings,
+               int& cells_adapted) {
   while (auto raw = pipeline.raw.pop()) {
     const std::string place = "cell " + to_string(raw->cell);
     if (raw->passes.empty()) return fail("has no passes", place, "scan it again with --resume");
@@ -87,6 +88,7 @@ Status develop(Developer& developer, Pipeline& pipeline, std::vector<double>& de
     Result<CellImage> image = developer.develop(*raw);
     develop_s.push_back(seconds_since(start));
     if (!image) return fail_in(place, image.error());
+    if (!image->quality.exposures_s.empty()) ++cells_adapted;
     if (!image->quality.warnings.empty()) {
       ++cells_with_warnings;
       pipeline.events.push(Notice{place + ": " + joined(image->quality.warnings)});
@@ -201,8 +203,10 @@ void run_bench(const ScanRequest& request, const ScanPlan& steps, const std::opt
   pipeline.raw.close();
 }
 
-void run_develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings) {
-  Status status = guarded("develop", [&] { return develop(developer, pipeline, develop_s, cells_with_warnings); });
+void run_develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings,
+                 int& cells_adapted) {
+  Status status =
+      guarded("develop", [&] { return develop(developer, pipeline, develop_s, cells_with_warnings, cells_adapted); });
   if (!status) pipeline.fail(std::move(status).error());
   pipeline.raw.close();
   pipeline.developed.close();

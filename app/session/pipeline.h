@@ -70,11 +70,12 @@ struct BenchOutcome {
 void run_bench(const ScanRequest& request, const ScanPlan& steps, const std::optional<ReferenceReading>& first,
                Pipeline& pipeline, BenchOutcome& outcome);
 
-void run_develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings);
+void run_develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings,
+                 int& cells_adapted);
 
 /// Hands `notes` to the operator, then stores. `record` makes durable what the cells refer to; it is called once,
-/// before the first cell is stored. On a full disk it waits for room. `failed` tells that the disk refused either: the dataset is left as it is, journal
-/// and all. What it hands on has no variance.
+/// before the first cell is stored. On a full disk it waits for room. `failed` tells that the disk refused either: the
+/// dataset is left as it is, journal and all. What it hands on has no variance.
 void run_store(DatasetWriter& writer, const std::vector<std::string>& notes, const std::function<Status()>& record,
                Pipeline& pipeline, std::vector<double>& store_s, bool& failed);
 

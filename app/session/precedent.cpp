@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 /// What may change between two scans of one dataset: where devices are found, how fast and how patiently they work,
 /// what is allowed and what is worth a warning.
-constexpr std::array<std::string_view, 19> free_members = {
+constexpr std::array<std::string_view, 20> free_members = {
     "/camera/address",
     "/camera/readout_s",
     "/camera/packet_bytes",
@@ -25,6 +25,7 @@ constexpr std::array<std::string_view, 19> free_members = {
     "/tolerance_mm",
     "/sensor/responsivity/date",
     "/sensor/responsivity/source",
+    "/exposure_limits_s/",
     "/order",
     "/settle_s",
     "/dark_every_cells",

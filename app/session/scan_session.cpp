@@ -174,8 +174,9 @@ void ScanSession::Impl::run() {
     const auto record = [this] { return record_first_reading(); };
     run_store(*writer, notes, record, pipeline, summary.times.store_s, store_failed);
   });
-  develop_thread =
-      std::thread([this] { run_develop(developer, pipeline, summary.times.develop_s, summary.cells_with_warnings); });
+  develop_thread = std::thread([this] {
+    run_develop(developer, pipeline, summary.times.develop_s, summary.cells_with_warnings, summary.cells_adapted);
+  });
   bench_thread = std::thread([this] {
     if (steps.steps.empty())
       pipeline.raw.close();

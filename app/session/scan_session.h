@@ -55,6 +55,7 @@ struct ScanSummary {
   std::vector<ReferenceReading> references;
   int frames_retaken = 0, cameras_lost = 0;
   int cells_with_warnings = 0;
+  int cells_adapted = 0;  ///< with exposures beyond the plan's
   std::string camera, stage, opengl, opencl;
 };
 

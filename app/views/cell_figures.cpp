@@ -40,6 +40,12 @@ double quality_value(CellFigure figure, const Quality& quality) {
   return not_known;
 }
 
+QString list_text(const std::vector<double>& values) {
+  QStringList texts;
+  for (const double value : values) texts << value_text(value);
+  return texts.join(QStringLiteral(", "));
+}
+
 /// The same planes, grid and images' place and size.
 bool same_planes(const LuminaireGeometry& a, const LuminaireGeometry& b) {
   const auto grid = [](const Sampling& s) {
@@ -207,9 +213,11 @@ QString CellFigures::summary(CellIndex cell) const {
   if (value(CellFigure::constant_distance, cell) > wide_basis_percent)
     text += u'\n' + tr("Its basis is wide for the planes' distance: above %1 % of error as a single spotlight")
                         .arg(value_text(wide_basis_percent));
-  if (known->entry.quality)
-    for (const std::string& warning : known->entry.quality->warnings)
-      text += u'\n' + tr("Warning: %1").arg(QString::fromStdString(warning));
+  if (!known->entry.quality) return text;
+  for (const auto& [pass, exposures_s] : known->entry.quality->exposures_s)
+    text += u'\n' + tr("Exposures of pass %1, adapted: %2 s").arg(QString::fromStdString(pass), list_text(exposures_s));
+  for (const std::string& warning : known->entry.quality->warnings)
+    text += u'\n' + tr("Warning: %1").arg(QString::fromStdString(warning));
   return text;
 }
 

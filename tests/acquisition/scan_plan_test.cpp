@@ -176,6 +176,15 @@ TEST(MotionTime, PredictsAScanOfOneCell) {
   EXPECT_NEAR(scan->predicted_s, 7 + 5 * standing + moves, 1e-12);
 }
 
+TEST(MotionTime, CountsTheDarkSetWithAllThatThePlanAllows) {
+  Plan plan = small_plan();
+  const std::set<CellIndex> all_but_one{{0, 0}, {0, 1}, {0, 2}, {1, 0}, {1, 2}};
+  const double before_s = make_scan_plan(small_bench(), plan, all_but_one)->predicted_s;
+  plan.exposure_limits_s = {0.0005, 0.2};
+  EXPECT_NEAR(make_scan_plan(small_bench(), plan, all_but_one)->predicted_s - before_s, 0.0005 + 0.128 + 2 * 0.02,
+              1e-12);
+}
+
 TEST(TimeLeft, FollowsThePace) {
   TimeLeft left({10, 10, 20});
   EXPECT_DOUBLE_EQ(left.left_s(0), 40);

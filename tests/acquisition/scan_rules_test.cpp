@@ -160,6 +160,26 @@ TEST(ScanRules, ExposuresAscendWithinTenSeconds) {
   EXPECT_TRUE(make_scan_plan(bell_bench(), plan));
 }
 
+TEST(ScanRules, ExposureLimitsHoldThePlansExposures) {
+  Plan plan = bell_plan();  // 0.002 … 0.032 s
+  for (const ExposureLimits right : {ExposureLimits{0.002, 0.032}, ExposureLimits{1e-5, 10}}) {
+    plan.exposure_limits_s = right;
+    EXPECT_TRUE(make_scan_plan(bell_bench(), plan));
+  }
+  for (const ExposureLimits wrong : {ExposureLimits{0, 1}, ExposureLimits{0.001, 10.5}}) {
+    plan.exposure_limits_s = wrong;
+    EXPECT_THAT(refusal(bell_bench(), plan).what, HasSubstr("outside 0 < t ≤ 10 s"));
+  }
+  for (const ExposureLimits wrong : {ExposureLimits{0.003, 1}, ExposureLimits{0.001, 0.03}}) {
+    plan.exposure_limits_s = wrong;
+    EXPECT_THAT(refusal(bell_bench(), plan).what, HasSubstr("do not hold the plan's exposures of 0.002 … 0.032 s"));
+  }
+  plan.exposures_s = {0.002, 0.00200001};
+  plan.exposure_limits_s = {0.001, 1};
+  EXPECT_THAT(refusal(bell_bench(), plan).what, HasSubstr("more than 64 exposures"));
+  EXPECT_EQ(refusal(bell_bench(), plan).where, "plan: exposure_limits_s");
+}
+
 TEST(ScanRules, RefusesWhatCannotBeScanned) {
   Plan plan = bell_plan();
   plan.reference.cell = {7, 0};

@@ -86,8 +86,8 @@ TEST_F(PipelineTest, ACellThatCannotBeDevelopedClosesBothSides) {
   raw.passes.resize(1);
   ASSERT_TRUE(pipeline_.raw.push(raw));
   std::vector<double> times;
-  int warned = 0;
-  run_develop(*developer, pipeline_, times, warned);
+  int warned = 0, adapted = 0;
+  run_develop(*developer, pipeline_, times, warned, adapted);
   ASSERT_TRUE(pipeline_.error());
   EXPECT_THAT(pipeline_.error()->where, HasSubstr("cell (1, 2)"));
   EXPECT_FALSE(pipeline_.raw.push(raw));

@@ -63,6 +63,15 @@ TEST(ScanReport, TheSummaryNamesTheCellsThatWereThere) {
   EXPECT_EQ(nlohmann::json::parse(summary_json(summary(40)))["cells_before"], 40);
 }
 
+TEST(ScanReport, TheSummaryCountsTheCellsWithAdaptedExposures) {
+  ScanSummary s = summary(0);
+  EXPECT_THAT(summary_text(s), Not(HasSubstr("adapted")));
+  EXPECT_EQ(nlohmann::json::parse(summary_json(s))["cells_with_adapted_exposures"], 0);
+  s.cells_adapted = 5;
+  EXPECT_THAT(summary_text(s), HasSubstr("5 cells with adapted exposures\n"));
+  EXPECT_EQ(nlohmann::json::parse(summary_json(s))["cells_with_adapted_exposures"], 5);
+}
+
 TEST(ScanReport, APathThatIsNotUtf8DoesNotBreakTheJson) {
   ScanSummary s = summary(0);
   s.dataset = "lamp\xff.lumi";

@@ -178,6 +178,7 @@ TEST_F(ScanSessionTest, AddressesNamesAndPatienceMayChange) {
   request_.bench.name = "b", request_.bench.camera.address = "10.0.0.9", request_.bench.stage.path = "/dev/ttyACM1";
   request_.bench.tolerance_mm = 0.5, request_.bench.filter.passes[0].name = "p", request_.plan.settle_s = 3;
   request_.bench.sensor.responsivity_date = "2025-01-01", request_.plan.limits.median_snr = 1;
+  request_.plan.exposure_limits_s = {1e-5, 10};
   const auto note = check_same_measurement(record, request_.bench, request_.plan);
   ASSERT_TRUE(note) << note.error().message();
   EXPECT_EQ(*note, "");

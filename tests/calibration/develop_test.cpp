@@ -194,6 +194,50 @@ TEST(Develop, PredictsItsVariance) {
   EXPECT_NEAR(sum / count, 0, 0.06);
 }
 
+TEST(Develop, BracketsBeyondThePlansSayTheSame) {
+  // Of 65 000 DN the lamp reaches 40 000 at 0.128 s: each pass has its own exposures, all have their dark frames.
+  Bench bench = test::synthetic_bench();
+  bench.filter.passes = {{"positive", {0, 0}, 1.879}, {"negative", {90, 0}, -0.3}};
+  bench.sensor.responsivity = {10000};
+  Plan plan = test::synthetic_plan();
+  plan.measurement = {48, 36, {2, 2}, {2, -3}};
+  const auto rates = test::ForwardModel(bench).rates([](const Vec2& s, int) { return smooth(s); }, 2);
+  auto developer = Developer::create(bench, plan);
+  ASSERT_TRUE(developer);
+  std::mt19937_64 random(9);
+  const test::SyntheticCamera camera{bench, std::vector<double>(rates.size(), 30), &random};
+  RawCell raw = test::synthetic_cell(camera, plan, {rates, rates});
+  const auto whole = developer->develop(raw);
+  ASSERT_TRUE(whole) << whole.error().message();
+  EXPECT_TRUE(whole->quality.exposures_s.empty());
+
+  raw.dark = camera.dark_set({0.0005, 0.002, 0.008, 0.032, 0.128, 0.512});
+  raw.passes[0].bracket = camera.bracket(rates, {0.0005, 0.002, 0.008, 0.032, 0.128});
+  raw.passes[1].bracket = camera.bracket(rates, {0.002, 0.008, 0.032, 0.128, 0.512});
+  const auto more = developer->develop(raw);
+  ASSERT_TRUE(more) << more.error().message();
+  raw.passes[0].bracket = camera.bracket(rates, {0.008, 0.032, 0.128});
+  raw.passes[1].bracket = camera.bracket(rates, {0.128});
+  const auto fewer = developer->develop(raw);
+  ASSERT_TRUE(fewer) << fewer.error().message();
+  EXPECT_THAT(more->quality.exposures_s, testing::SizeIs(2));
+  EXPECT_EQ(fewer->quality.exposures_s.at("negative"), std::vector<double>{0.128});
+
+  for (const CellImage* other : {&*more, &*fewer}) {
+    double squares = 0, sum = 0;
+    for (std::size_t p = 0; p < whole->plane(); ++p) {
+      const double z =
+          static_cast<double>((other->value[p] - whole->value[p]) / std::sqrt(other->variance[p] + whole->variance[p]));
+      squares += z * z, sum += z;
+    }
+    const auto count = static_cast<double>(whole->plane());
+    RecordProperty(other == &*more ? "more" : "fewer", std::to_string(squares / count));
+    // Variance of the mean square of 1728 normal variates: 2/1728; of their mean: 1/1728. Four standard deviations.
+    EXPECT_NEAR(squares / count, 1, 4 * std::sqrt(2 / count));
+    EXPECT_NEAR(sum / count, 0, 4 / std::sqrt(count));
+  }
+}
+
 TEST(Develop, SurvivesHotPixels) {
   Bench bench = test::synthetic_bench();
   const Plan plan = test::synthetic_plan();

@@ -79,6 +79,26 @@ TEST(Quality, AStarvedScanIsWarnedOfInLitAndInDarkCells) {
   }
 }
 
+TEST(Quality, TellsTheExposuresOfPassesThatTookOthersThanThePlans) {
+  RawCell raw;
+  raw.dark = std::make_shared<DarkSet>();
+  raw.passes = {{"positive", Bracket(3), {0, 0}}, {"negative", Bracket(2), {0, 0}}};
+  for (RawPass& pass : raw.passes) {
+    double exposure_s = 0.008;
+    for (auto frame = pass.bracket.rbegin(); frame != pass.bracket.rend(); ++frame, exposure_s /= 4)
+      frame->exposure_s = exposure_s;
+  }
+  Bench bench;
+  bench.sensor.responsivity = {1};
+  bench.filter.passes = {{"positive", {0, 0}, 1.5}, {"negative", {9, 0}, -0.5}};
+  Plan plan;
+  plan.exposures_s = {0.002, 0.008};
+  const ScreenFaults faults{std::vector<float>(side * side, 1), std::vector<float>(side * side, 100)};
+  const Quality quality = judge(noisy(0, 0), faults, raw, 64, bench, plan);
+  const std::map<std::string, std::vector<double>> taken{{"positive", {0.0005, 0.002, 0.008}}};
+  EXPECT_EQ(quality.exposures_s, taken);
+}
+
 TEST(Quality, SaturationAboveTheLimitIsWarnedOf) {
   const Quality quality = quality_of(noisy(2000, 200), 0.2f);
   EXPECT_EQ(quality.saturated_share, 1);

@@ -57,6 +57,7 @@ TEST_F(DatasetOnDisk, ReturnsWhatWasWrittenBeforeAndAfterClosing) {
     EXPECT_EQ(image->quality.median_snr, written.quality.median_snr);
     EXPECT_TRUE(std::isnan(image->quality.drift));
     EXPECT_EQ(image->quality.warnings, written.quality.warnings);
+    EXPECT_EQ(image->quality.exposures_s, written.quality.exposures_s);
     EXPECT_EQ(read->index.manifest.cells[0].cell, (CellIndex{0, 1}));
     EXPECT_EQ(read->index.manifest.cells[0].stage_mm, Vec2(7.5, 0));
   }
@@ -78,6 +79,32 @@ TEST_F(DatasetOnDisk, WritesNotDeterminedAsNull) {
   EXPECT_THAT(read_text(dataset_ / "journal.jsonl"), HasSubstr(R"("drift":null)"));
   ASSERT_TRUE(writer.close());
   EXPECT_THAT(read_text(dataset_ / "luminaire.json"), HasSubstr(R"("drift":null)"));
+}
+
+TEST_F(DatasetOnDisk, TellsExposuresOnlyWhereTheyDifferFromThePlans) {
+  DatasetWriter writer = create();
+  CellImage image = cell_image(geometry_, 1);
+  ASSERT_TRUE(writer.add({0, 0}, image, {0, 0}));
+  EXPECT_THAT(read_text(dataset_ / "journal.jsonl"), HasSubstr(R"("exposures_s":{"positive":[0.0005,0.002]})"));
+  image.quality.exposures_s.clear();
+  ASSERT_TRUE(writer.add({0, 1}, image, {0, 0}));
+  ASSERT_TRUE(writer.close());
+  const auto index = read_dataset_index(dataset_);
+  ASSERT_TRUE(index) << index.error().message();
+  EXPECT_EQ(index->manifest.cells[0].quality->exposures_s.size(), 1U);
+  EXPECT_TRUE(index->manifest.cells[1].quality->exposures_s.empty());
+}
+
+TEST_F(DatasetOnDisk, RefusesExposuresThatAreNone) {
+  const auto refusal = [&](const std::string& exposures) {
+    const auto entry = parse_journal_line(
+        R"({"row":0,"column":0,"file":"a.exr","quality":{"exposures_s":)" + exposures + "}}", geometry_, "line 1");
+    return entry ? "accepted" : entry.error().message();
+  };
+  EXPECT_EQ(refusal(R"({"positive":[0.001,0.004]})"), "accepted");
+  EXPECT_THAT(refusal("[0.001]"), HasSubstr("quality.exposures_s"));
+  EXPECT_THAT(refusal(R"({"positive":[]})"), HasSubstr("exposures_s.positive: has 0 elements"));
+  EXPECT_THAT(refusal(R"({"positive":[0]})"), HasSubstr("exposures_s.positive[0]: is out of range"));
 }
 
 TEST_F(DatasetOnDisk, ARetakeIsTheNextGenerationAndClosingRemovesTheOld) {

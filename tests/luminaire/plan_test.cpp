@@ -17,6 +17,9 @@ constexpr const char* documented = R"({ "format": "lumifield-plan", "version": 1
   "reference_cell": { "row": 3, "column": 4, "every": 21, "limit": 0.01 }, "warm_up_s": 0,
   "limits": { "saturated_share": 0.001, "median_snr": 20 } })";
 
+constexpr const char* limits_default =
+    "plan.json: exposure_limits_s is absent, taken as [0.002,0.128], the plan's exposures alone";
+
 std::string refusal_with(const char* pointer, const Json& value) {
   Json json = Json::parse(documented);
   json[Json::json_pointer(pointer)] = value;
@@ -39,7 +42,8 @@ TEST(Plan, ReadsTheDocumentedFile) {
   EXPECT_EQ(plan->reference.cell, (CellIndex{3, 4}));
   EXPECT_EQ(plan->reference.every, 21);
   EXPECT_EQ(plan->limits.median_snr, 20);
-  EXPECT_THAT(defaults, testing::ElementsAre("plan.json: name is absent, taken as \"\""));
+  EXPECT_FALSE(plan->exposure_limits_s);
+  EXPECT_THAT(defaults, testing::ElementsAre("plan.json: name is absent, taken as \"\"", limits_default));
 }
 
 TEST(Plan, TellsWhatItDoesNotKnow) {
@@ -48,7 +52,7 @@ TEST(Plan, TellsWhatItDoesNotKnow) {
   json["measurement"]["colour"] = {{"inner", 1}};
   std::vector<std::string> notes;
   ASSERT_TRUE(parse_plan(json.dump(), "plan.json", &notes));
-  EXPECT_THAT(notes, testing::ElementsAre("plan.json: name is absent, taken as \"\"",
+  EXPECT_THAT(notes, testing::ElementsAre("plan.json: name is absent, taken as \"\"", limits_default,
                                           "plan.json: dark_every_cell is not known and ignored",
                                           "plan.json: measurement.colour is not known and ignored"));
 
@@ -56,7 +60,7 @@ TEST(Plan, TellsWhatItDoesNotKnow) {
   for (int k = 0; k < 1000; ++k) json["key" + std::to_string(k)] = k;
   notes.clear();
   ASSERT_TRUE(parse_plan(json.dump(), "plan.json", &notes));
-  EXPECT_EQ(notes.size(), 22u);
+  EXPECT_EQ(notes.size(), 23u);
   EXPECT_EQ(notes.back(), "plan.json: 980 more members are not known and ignored");
 }
 
@@ -79,6 +83,22 @@ TEST(Plan, ReturnsTheSameAfterWritingAndReading) {
   EXPECT_EQ(read->order, ScanOrder::coarse_to_fine);
   EXPECT_EQ(read->center_mm, plan.center_mm);
   EXPECT_EQ(read->warm_up_s, 600);
+}
+
+TEST(Plan, LimitsTheExposuresThatAScanMayChoose) {
+  Json json = Json::parse(documented);
+  json["exposure_limits_s"] = {0.0001, 2};
+  std::vector<std::string> notes;
+  const Result<Plan> plan = parse_plan(json.dump(), "plan.json", &notes);
+  ASSERT_TRUE(plan) << plan.error().message();
+  ASSERT_TRUE(plan->exposure_limits_s);
+  EXPECT_EQ(plan->exposure_limits_s->shortest_s, 0.0001);
+  EXPECT_EQ(plan->exposure_limits_s->longest_s, 2);
+  EXPECT_THAT(notes, testing::Not(testing::Contains(HasSubstr("exposure_limits_s"))));
+  EXPECT_EQ(Json::parse(to_json(*plan))["exposure_limits_s"], json["exposure_limits_s"]);
+  EXPECT_EQ(Json::parse(to_json(*parse_plan(documented, "plan.json")))["exposure_limits_s"], Json({0.002, 0.128}));
+  for (const Json& wrong : {Json({1, 0.001}), Json({0, 1}), Json({0.001}), Json(1), Json(nullptr)})
+    EXPECT_THAT(refusal_with("/exposure_limits_s", wrong), HasSubstr("plan.json: exposure_limits_s")) << wrong;
 }
 
 TEST(Plan, NamesThePlaceOfWhatIsWrong) {

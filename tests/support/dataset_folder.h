@@ -69,7 +69,8 @@ inline CellImage cell_image(const LuminaireGeometry& g, unsigned seed) {
   image.variance.resize(image.value.size());
   for (float& v : image.value) v = normal(random);
   for (float& v : image.variance) v = std::abs(normal(random));
-  image.quality = {0.25, 0, 17.5, 0.003, std::numeric_limits<double>::quiet_NaN(), 64.5, {"median SNR 17.5 < 20"}};
+  image.quality = {0.25, 0, 17.5, 0.003, std::numeric_limits<double>::quiet_NaN(), 64.5, {"median SNR 17.5 < 20"}, {}};
+  image.quality.exposures_s["positive"] = {0.0005, 0.002};
   return image;
 }
 

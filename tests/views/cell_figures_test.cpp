@@ -76,6 +76,7 @@ TEST(CellFigures, SpeakInTheUnitsShown) {
   Quality quality = warned();
   quality.position_error_mm = 0.004;
   quality.drift = -0.0125;
+  quality.exposures_s["positive"] = {0.0005, 0.002};
   model.put(entry_of({1, 0}, quality), flat_image(geometry, 2));
   EXPECT_EQ(figures.text(CellFigure::saturated, {1, 0}), "25 %");
   EXPECT_EQ(figures.text(CellFigure::snr, {1, 0}), "not known");
@@ -87,6 +88,7 @@ TEST(CellFigures, SpeakInTheUnitsShown) {
   EXPECT_TRUE(summary.contains("row 1, column 0")) << summary.toStdString();
   EXPECT_TRUE(summary.contains("(−7.5, 3.75) mm"));
   EXPECT_TRUE(summary.contains("saturated share 25 % above 0.1 %"));
+  EXPECT_TRUE(summary.contains("Exposures of pass positive, adapted: 0.0005, 0.002 s")) << summary.toStdString();
   EXPECT_TRUE(figures.summary({0, 0}).endsWith("unmeasured"));
 }
 
