@@ -48,10 +48,8 @@ std::vector<double> step_times_s(const std::vector<ScanStep>& steps, const Bench
   for (const ScanStep& step : steps) {
     double time = times.empty() ? plan.warm_up_s : 0;
     for (const Vec2& target : std::visit([](const auto& s) { return std::vector<Vec2>(targets_of(s)); }, step)) {
-      const double standing_s = std::holds_alternative<VisitStep>(step)  ? plan.settle_s
-                                : std::holds_alternative<DarkStep>(step) ? dark_s
-                                                                         : lit_s;
-      time += standing_s + (at ? move_time_s(speed, *at, target) : 0);
+      const bool visit = std::holds_alternative<VisitStep>(step), dark = std::holds_alternative<DarkStep>(step);
+      time += (visit ? plan.settle_s : dark ? dark_s : lit_s) + (at ? move_time_s(speed, *at, target) : 0);
       at = target;
     }
     times.push_back(time);
