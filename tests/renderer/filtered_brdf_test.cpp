@@ -65,7 +65,7 @@ TEST(FilteredBrdf, UnfilteredIsUnbiased) {
   const LightField field = sampled_luminaire();
   for (const Case& c : {beyond, near_s, on_s, between, grazing}) {
     const Runs all =
-        runs(field, {.method = Method::filtered_brdf, .samples = 40, .filter = false}, c.receiver, {}, 0, 0, 1500);
+        runs(field, {.method = Method::filtered_brdf, .samples = 40, .filter = false}, c.receiver, {}, 0, 0, 2500);
     const double reference = exact(field, c.receiver, {}, 0);
     EXPECT_LT(std::abs(all.mean - reference), 3.5 * all.error) << c.name << ' ' << reference;
     EXPECT_LT(all.error, 0.2 * reference) << c.name << ": else nothing is tested";
@@ -128,6 +128,27 @@ TEST(FilteredBrdf, FilteredIsNearerThanPlainAndAsFarOffAsItStates) {
         EXPECT_LT(filtered.rms, (kind == LOBE_NONE ? 0.9 : 1.25) * plain.rms)
             << c.name << ' ' << kind << ' ' << samples;
       }
+}
+
+TEST(FilteredBrdf, ReceiversErrEachInItsOwnWay) {
+  const LightField field = sampled_luminaire();
+  constexpr int receivers = 400;
+  for (const Case& c : {beyond, near_s})
+    for (const auto& [kind, shape] : {std::pair(LOBE_NONE, 0.0F), {LOBE_GGX, 0.09F}}) {
+      const Look look = kind == LOBE_NONE ? Look{} : shining(c.receiver, kind, shape);
+      const std::size_t value = kind == LOBE_NONE ? 0 : 1;
+      const double reference = exact(field, c.receiver, look, value);
+      const auto form =
+          make_host_method(field, {.method = Method::filtered_brdf, .samples = 64, .filter = false}).value();
+      double mean = 0, squares = 0;
+      for (std::uint32_t k = 0; k < receivers; ++k) {
+        const double error = form->light(c.receiver, k, look).value()[value] - reference;
+        mean += error / receivers;
+        squares += error * error / receivers;
+      }
+      // Of one seed: they differ by their turns alone, and share how far from the lobe's axis their points are.
+      EXPECT_LT(std::abs(mean), 0.5 * std::sqrt(squares)) << c.name << ' ' << kind;
+    }
 }
 
 TEST(FilteredBrdf, BiasOfTheFilterFallsWithTheSamples) {
