@@ -43,9 +43,10 @@ __kernel void filtered_brdf(const SamplingGeometry geometry, const RayGeometry r
     }
     __global const LobePoint* points = kind == 1 ? diffuse_points : glossy_points;
     const uint first = first_lobe_point(&geometry, rays.points, (uint)kind, (uint)id);
+    const double2 turn = lobe_turn(&geometry, (uint)kind, (uint)id);
     for (int k = 0; k < rays.samples; ++k) {
       const uint i = first + (uint)k;
-      const LobeDraw draw = lobe_draw(&lobe, points + (i < (uint)rays.points ? i : i % (uint)rays.points));
+      const LobeDraw draw = lobe_draw(&lobe, turned(points[i < (uint)rays.points ? i : i % (uint)rays.points], turn));
       if (!(draw.direction.z < 0) || !(dot(lobe.n, draw.direction) > 0)) continue;
       const double distance = -view.at.p_z / draw.direction.z;
       const double2 u = (double2)(view.at.p_x, view.at.p_y) + distance * draw.direction.xy;

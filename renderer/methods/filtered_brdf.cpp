@@ -26,9 +26,10 @@ void FilteredBrdf::add(const ReceiverView& view, const LobeDistribution& draws, 
                        std::span<double> values) const {
   const std::vector<LobePoint>& points = kind == LobeDraws::diffuse ? diffuse_ : glossy_;
   const std::size_t first = first_point(settings_.sequence, points.size(), number, settings_.seed, kind);
+  const LobeTurn turn = lobe_turn(number, settings_.seed, kind);
   const int n = samples();
   for (int k = 0; k < n; ++k) {
-    const LobeDraw draw = draws.sample(points[(first + static_cast<std::size_t>(k)) % points.size()]);
+    const LobeDraw draw = draws.sample(turned(points[(first + static_cast<std::size_t>(k)) % points.size()], turn));
     if (draw.weight[0] == 0 && draw.weight[1] == 0 && draw.weight[2] == 0) continue;
     const auto start = ray_start(view, draw.direction);
     if (!start) continue;

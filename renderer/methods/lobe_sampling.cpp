@@ -171,4 +171,15 @@ std::size_t first_point(PointSequence sequence, std::size_t points, std::uint32_
   return hash(~static_cast<std::uint32_t>(draws), receiver, hash(seed)) % points;
 }
 
+LobeTurn lobe_turn(std::uint32_t receiver, std::uint32_t seed, LobeDraws draws) {
+  // Numbers that neither a cell nor first_point has.
+  const double angle = 2 * pi * unit(hash(~(static_cast<std::uint32_t>(draws) + 2), receiver, hash(seed)));
+  return {std::cos(angle), std::sin(angle)};
+}
+
+LobePoint turned(const LobePoint& point, const LobeTurn& turn) {
+  return {point.x, point.log_x, turn.cosine * point.cos_phi - turn.sine * point.sin_phi,
+          turn.cosine * point.sin_phi + turn.sine * point.cos_phi};
+}
+
 }  // namespace lumifield

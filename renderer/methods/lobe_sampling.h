@@ -66,6 +66,14 @@ std::vector<LobePoint> judging_points(int n);
 std::size_t first_point(PointSequence sequence, std::size_t points, std::uint32_t receiver, std::uint32_t seed,
                         LobeDraws draws);
 
+/// All points of a receiver turned about the lobe by an angle of its own (Cranley, Patterson 1976, in φ): what they
+/// miss of the light differs from receiver to receiver, as noise, where the same points for all leave patches.
+struct LobeTurn {
+  double cosine, sine;
+};
+LobeTurn lobe_turn(std::uint32_t receiver, std::uint32_t seed, LobeDraws draws);
+LobePoint turned(const LobePoint& point, const LobeTurn& turn);
+
 /// Two directions that are a right-handed frame with a third of unit length (Duff et al. 2017).
 void frame_about(const Vec3& axis, Vec3& across, Vec3& along);
 

@@ -161,7 +161,7 @@ INLINE void add_lobe_samples(const Mixture* m, int points, __global const LobePo
   const SamplingReceiver at = m->view->at;
   for (int k = 0; k < m->count; ++k) {
     const uint i = first + (uint)k;
-    const LobeDraw draw = lobe_draw(lobe, table + (i < (uint)points ? i : i % (uint)points));
+    const LobeDraw draw = lobe_draw(lobe, table[i < (uint)points ? i : i % (uint)points]);
     if (!(draw.direction.z < 0) || !(dot(lobe->n, draw.direction) > 0)) continue;
     const Ray ray = ray_of(m, &draw);
     if (!(ray.lobes > 0)) continue;

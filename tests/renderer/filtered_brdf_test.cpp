@@ -167,6 +167,27 @@ TEST(FilteredBrdf, FilteredIsAsFarOffAsItStates) {
     });
 }
 
+TEST(FilteredBrdf, ReceiversErrEachInItsOwnWay) {
+  const LightField field = sampled_luminaire();
+  constexpr int receivers = 400;
+  for (const Case& c : {beyond, near_s})
+    for (const auto& [kind, shape] : {std::pair(LOBE_NONE, 0.0F), {LOBE_GGX, 0.09F}}) {
+      const Look look = kind == LOBE_NONE ? Look{} : shining(c.receiver, kind, shape);
+      const std::size_t value = kind == LOBE_NONE ? 0 : 1;
+      const double reference = exact(field, c.receiver, look, value);
+      const auto form =
+          make_host_method(field, {.method = Method::filtered_brdf, .samples = 64, .filter = false}).value();
+      double mean = 0, squares = 0;
+      for (std::uint32_t k = 0; k < receivers; ++k) {
+        const double error = form->light(c.receiver, k, look).value()[value] - reference;
+        mean += error / receivers;
+        squares += error * error / receivers;
+      }
+      // Of one seed: they differ by their turns alone, and share how far from the lobe's axis their points are.
+      EXPECT_LT(std::abs(mean), 0.5 * std::sqrt(squares)) << c.name << ' ' << kind;
+    }
+}
+
 TEST(FilteredBrdf, BiasOfTheFilterFallsWithTheSamples) {
   const LightField field = sampled_luminaire();
   for (const Case& c : {beyond, near_s, on_s, between})

@@ -163,5 +163,25 @@ TEST(LobePoints, AreSpreadEvenlyAndUniformOverSeeds) {
   for (std::size_t column = 0; column < 8; ++column) EXPECT_EQ(squares[column], 8);
 }
 
+TEST(LobePoints, AreTurnedByAnAngleOfEachReceiver) {
+  const std::vector<double> expected(16, 500.0);
+  for (const LobeDraws draws : {LobeDraws::diffuse, LobeDraws::glossy}) {
+    std::vector<double> angles(16, 0.0), steps(16, 0.0);
+    double before = 0;
+    for (std::uint32_t receiver = 0; receiver < 8000; ++receiver) {
+      const LobePoint xi = turned(point(0.3, 0.7), lobe_turn(receiver, 5, draws));
+      EXPECT_EQ(xi.x, 0.3);
+      EXPECT_EQ(xi.log_x, std::log(0.3));
+      EXPECT_NEAR(std::hypot(xi.cos_phi, xi.sin_phi), 1, 1e-14);
+      const double turn = std::atan2(xi.sin_phi, xi.cos_phi) / (2 * pi) + 0.5, step = turn - before;
+      angles[std::min(static_cast<std::size_t>(16 * turn), std::size_t{15})] += 1;
+      steps[std::min(static_cast<std::size_t>(16 * (step - std::floor(step))), std::size_t{15})] += 1;
+      before = turn;
+    }
+    EXPECT_TRUE(chi_square(angles, expected).plausible());
+    EXPECT_TRUE(chi_square(steps, expected).plausible()) << "from one receiver to the next";
+  }
+}
+
 }  // namespace
 }  // namespace lumifield
