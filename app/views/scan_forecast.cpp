@@ -27,7 +27,7 @@ void note(ScanForecast& forecast, const std::vector<std::string>& defaults) {
 template <class Value, class Read>
 std::optional<Value> read_file(ScanForecast& to, NewScanField field, const std::filesystem::path& file, Read read) {
   std::vector<std::string> defaults;
-  Result<Value> value = read(file, &defaults);
+  Result<Value> value = read(file, &defaults, ReaderNotes::all);
   if (!value) {
     to.faults[field] = text(value.error());
     return std::nullopt;
