@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "luminaire/error.h"
@@ -44,6 +45,18 @@ struct PreviewFrame {
   std::chrono::steady_clock::time_point handed_in{};
 };
 
+/// What the render thread is at.
+struct PreviewProgress {
+  MethodSettings asked;  ///< the method chosen last
+  Visibility visibility = Visibility::tile;
+  bool environment = false;      ///< lights the picture that comes
+  std::optional<Error> refused;  ///< why there is no picture by what is asked: the last one stays
+  bool working = false;          ///< a picture comes that is finer, of more cells or by what is asked
+  bool coarse = false;           ///< it is a coarse one
+  double share = 0;              ///< of its light that is computed
+  double left_s = 0;             ///< until it is shown, by the time that its share took; 0: not known
+};
+
 /// How the render thread divides its time, seconds.
 struct PreviewPace {
   double frame = 0.04;    ///< least time from frame to frame
@@ -60,6 +73,10 @@ struct PreviewPace {
 /// faster than the full picture takes them, as from a dataset that is opened, are shown coarsely until they are in or
 /// pause. A picture never has fewer cells than one before it had, of the same luminaire.
 ///
+/// A full picture that has been begun is made to its end: where a cell that comes would have it begun anew or held up,
+/// that cell waits for the next one, which is coarse where most cells are new. So pictures lag behind a scan by as much
+/// as one takes, and never stop coming.
+///
 /// The thread and those of the drivers that it starts have niceness 10 for life: they yield to window and scan, and an
 /// ordinary user could not take it back. While a scan runs it also rests after each frame as long as it worked.
 ///
@@ -73,6 +90,8 @@ class LivePreview {
     /// No picture of this scene (another may do) or view, or a cell is refused. The same again is told once until a
     /// frame comes.
     std::function<void(const Error&)> failed;
+    /// Told when something is taken or shown, and a few times a second while a picture is made.
+    std::function<void(const PreviewProgress&)> progress = {};
   };
   /// Starts the thread; it waits for a scene.
   explicit LivePreview(Callbacks callbacks, PreviewPace pace = {});

@@ -24,7 +24,9 @@ void PreviewCosts::drawn(PreviewDetail detail, double receivers, double seconds)
 }
 
 void PreviewCosts::summed(PreviewDetail detail, double receivers, int cells, double seconds) {
-  if (cells > 0) of(detail).cell.learn(receivers, seconds / cells);
+  if (cells < 1) return;
+  of(detail).cell.learn(receivers, seconds / cells);
+  of(detail).learned = true;
 }
 
 void PreviewCosts::shown(PreviewDetail detail, double receivers, double seconds) {
@@ -32,11 +34,13 @@ void PreviewCosts::shown(PreviewDetail detail, double receivers, double seconds)
 }
 
 double PreviewCosts::picture_s(PreviewDetail detail, double receivers, int cells) const {
-  const Costs& costs = of(detail);
+  const Costs& costs = expected(detail);
   return costs.draw.seconds(receivers) + cells * costs.cell.seconds(receivers) + costs.show.seconds(receivers);
 }
 
-double PreviewCosts::cell_s(PreviewDetail detail, double receivers) const { return of(detail).cell.seconds(receivers); }
+double PreviewCosts::cell_s(PreviewDetail detail, double receivers) const {
+  return expected(detail).cell.seconds(receivers);
+}
 
 PreviewDetail PreviewCosts::finest_within(double seconds, double full_receivers, int cells,
                                           PreviewDetail before) const {
@@ -53,5 +57,11 @@ PreviewDetail PreviewCosts::finest_within(double seconds, double full_receivers,
 bool shows_coarsely_first(int waiting, int cells, double cell_s) {
   return waiting > few_cells && 2 * waiting >= cells && waiting * cell_s > long_backlog_s;
 }
+
+bool shows_all_coarsely_first(int fresh, int cells, double cell_s) {
+  return 2 * fresh >= cells && cells * cell_s > long_backlog_s;
+}
+
+PreviewDetail coarsest() { return {divisors.back(), coarse_lod}; }
 
 }  // namespace lumifield

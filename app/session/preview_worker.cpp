@@ -6,6 +6,13 @@
 
 namespace lumifield {
 
+namespace {
+
+/// Of a picture's light, from which the time for the rest is told.
+constexpr double least_share = 0.02;
+
+}  // namespace
+
 PreviewWorker::PreviewWorker(LivePreview::Callbacks callbacks, PreviewPace pace, std::stop_token stop)
     : callbacks_(std::move(callbacks)), pace_(pace), stop_(std::move(stop)) {}
 
@@ -48,6 +55,7 @@ void PreviewWorker::take(PreviewCommands commands) {
     look_ = *commands.look;
     look_changed_ = true;
   }
+  tell_progress();
 }
 
 void PreviewWorker::take_scene(const Scene& scene) {
@@ -61,6 +69,7 @@ void PreviewWorker::take_scene(const Scene& scene) {
   view_changed_ = true;
   last_.reset();
   last_error_.clear();
+  stopped_.reset();
   // Any size does: the view is drawn when it is needed.
   Result<std::unique_ptr<Renderer>> renderer = Renderer::create(scene, 64, 48, stop_);
   if (!renderer && renderer.error().kind == ErrorKind::stopped) return;  // nobody looks any more
@@ -68,6 +77,7 @@ void PreviewWorker::take_scene(const Scene& scene) {
   renderer_ = std::move(*renderer);
   if (const Status set = renderer_->set_method(method_); !set) {
     method_ = {};
+    refused_ = set.error();
     report(set.error());
   }
   if (const Status set = renderer_->set_visibility(visibility_); !set) report(set.error());
@@ -83,13 +93,19 @@ void PreviewWorker::take_luminaire(const PreviewCommands::Luminaire& luminaire) 
   fresh_.clear();
   last_.reset();
   last_error_.clear();
+  stopped_.reset();
   if (renderer_) light();
 }
 
 /// What another method costs is learned anew.
 void PreviewWorker::take_method(const MethodSettings& method) {
+  asked_ = method;
+  refused_.reset();
   if (renderer_)
-    if (const Status set = renderer_->set_method(method); !set) return report(set.error());
+    if (const Status set = renderer_->set_method(method); !set) {
+      refused_ = set.error();
+      return report(set.error());
+    }
   method_ = method;
   begin_anew();
   // A luminaire that could not be taken before.
@@ -116,6 +132,7 @@ void PreviewWorker::take_environment(bool on) {
 void PreviewWorker::begin_anew() {
   costs_ = {};
   last_error_.clear();
+  stopped_.reset();
   drawn_.reset();
   view_changed_ = true;
 }
@@ -144,14 +161,18 @@ void PreviewWorker::take_cell(PreviewCommands::Cell cell) {
   if (!holds_cells()) let_in();
 }
 
-/// A method that computes all cells together begins anew with each: they wait for the end of a hasty picture, and for
-/// the view that is to follow it.
+/// A method that computes all cells together begins anew with each: they wait for the end of a picture, and for the
+/// view that is to follow a hasty one. Of an additive method each costs a full picture that has not caught up as much
+/// as many of its own.
 bool PreviewWorker::holds_cells() const {
-  if (!drawn_ || !hasty_ || is_additive(method_.method)) return false;
-  return view_changed_ || (dirty_ && renderer_->waiting() > 0);
+  if (!drawn_) return false;
+  const bool under_way = dirty_ && renderer_->waiting() > 0;
+  if (!together()) return !hasty_ && under_way && !caught_up_;
+  return under_way || (hasty_ && view_changed_);
 }
 
 void PreviewWorker::let_in() {
+  if (!held_.empty()) sum_began_at_ = Clock::now();
   for (const CellIndex cell : std::exchange(held_, {})) {
     dirty_ = true;
     if (const Status kept = renderer_->keep_cell(cell, cells_.at(cell)); !kept) report(kept.error());
@@ -161,6 +182,27 @@ void PreviewWorker::let_in() {
 void PreviewWorker::report(const Error& error) {
   if (std::exchange(last_error_, error.message()) == error.message()) return;
   if (callbacks_.failed) callbacks_.failed(error);
+}
+
+/// A cell that is added to a full picture takes no time worth a word.
+bool PreviewWorker::working() const {
+  if (!renderer_ || !lit_ || stuck_) return false;
+  if (view_changed_ || !drawn_ || !drawn_->full() || !held_.empty()) return true;
+  return renderer_->waiting() > 0 && (together() || !caught_up_);
+}
+
+void PreviewWorker::tell_progress() {
+  told_at_ = Clock::now();
+  if (!callbacks_.progress) return;
+  PreviewProgress progress{asked_, visibility_, renderer_ && renderer_->environment(), refused_ ? refused_ : stopped_};
+  progress.working = working();
+  if (progress.working && drawn_ && !view_changed_) {
+    progress.coarse = !drawn_->full();
+    progress.share = handed_over_ ? renderer_->share_summed() : 0;
+    const double took_s = std::chrono::duration<double>(told_at_ - sum_began_at_).count();
+    if (progress.share > least_share) progress.left_s = took_s * (1 - progress.share) / progress.share;
+  }
+  callbacks_.progress(progress);
 }
 
 void PreviewWorker::give_up(const Error& error) {

@@ -56,6 +56,8 @@ class PreviewWorker {
   void take_environment(bool on);
   void begin_anew();
   void report(const Error& error);
+  bool working() const;
+  void tell_progress();
 
   // preview_worker_step.cpp
   Next work();
@@ -63,6 +65,8 @@ class PreviewWorker {
   PreviewDetail detail_wanted(Clock::time_point now) const;
   PreviewDetail resting_detail(Clock::time_point now) const;
   bool all_in() const { return static_cast<int>(cells_.size()) == geometry_->sampling.cells(); }
+  /// The method computes all cells together.
+  bool together() const { return !is_additive(method_.method); }
   bool caught_up() const { return renderer_->waiting() == 0 || caught_up_; }
   void draw(PreviewDetail detail);
   double drawn_receivers() const;
@@ -104,7 +108,7 @@ class PreviewWorker {
   std::vector<ScenePlacement> placed_;  ///< the last that the renderer took
   bool hasty_ = false;                  ///< coarse, or of a camera that moves: made to its end
   bool handed_over_ = false;
-  std::set<CellIndex> held_;  ///< cells that would begin a hasty picture anew: the renderer gets them after it
+  std::set<CellIndex> held_;  ///< cells that would keep a picture from its end: the renderer gets them after it
   bool caught_up_ = false;
   bool dirty_ = false;  ///< drawn or summed since the last frame
   std::shared_ptr<const PreviewFrame> last_;
@@ -118,6 +122,10 @@ class PreviewWorker {
   double worked_s_ = 0;                           ///< since the last rest
   bool framed_ = false;                           ///< this step handed one out
   std::string last_error_;
+  MethodSettings asked_;          ///< last
+  std::optional<Error> refused_;  ///< why the method asked for is not the one used
+  std::optional<Error> stopped_;  ///< why no picture came since the last
+  Clock::time_point sum_began_at_{}, told_at_{};
 };
 
 }  // namespace lumifield

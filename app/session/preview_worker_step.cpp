@@ -18,6 +18,8 @@ constexpr int many_cells = 8;
 constexpr double refresh_s = 0.1;
 /// A hasty picture that takes as long as it is meant to is one piece.
 constexpr double hasty_slices = 2;
+/// Progress is told this often.
+constexpr double tell_s = 0.2;
 /// The scan gets the cores back after so much work without a frame.
 constexpr double longest_work_s = 0.25, longest_rest_s = 0.25;
 
@@ -31,7 +33,9 @@ int divided(int size_px, int divisor) { return std::max(std::min(size_px, 1), (s
 PreviewWorker::Next PreviewWorker::step() {
   const Clock::time_point start = Clock::now();
   framed_ = false;
-  return rested(work(), start);
+  const Next next = rested(work(), start);
+  if (framed_ || next.wake == Clock::time_point::max() || Clock::now() - told_at_ > seconds(tell_s)) tell_progress();
+  return next;
 }
 
 /// While a scan runs: after a frame, or work without one, the thread rests as long as it worked.
@@ -70,8 +74,8 @@ PreviewWorker::Next PreviewWorker::work() {
   }
   if (!surround()) return {{}, Clock::now()};
   const bool waits = renderer_->waiting() > 0;
-  const bool refresh =
-      waits && dirty_ && !hasty_ && caught_up_ && sum_s_ > 0 && now >= last_frame_at_ + seconds(refresh_s);
+  const bool refresh = waits && dirty_ && !hasty_ && caught_up_ && !together() && sum_s_ > 0 &&
+                       now >= last_frame_at_ + seconds(refresh_s);
   if (waits && !refresh) {
     sum();
     return {{}, Clock::now()};
@@ -89,6 +93,7 @@ PreviewDetail PreviewWorker::detail_wanted(Clock::time_point now) const {
   const int cells = static_cast<int>(cells_.size());
   const double full_s = costs_.picture_s({}, view_.receivers(), cells);
   if (!view_changed_ && drawn_) return moving_ && !drawn_->full() ? *drawn_ : resting_detail(now);
+  if (together() && !costs_.known() && cells > 0) return coarsest();
   if (!moving_ && full_s <= short_wait_s) return {};
   return costs_.finest_within(scan_ ? pace_.coarse / 2 : pace_.coarse, view_.receivers(), cells,
                               drawn_.value_or(PreviewDetail{}));
@@ -100,10 +105,13 @@ PreviewDetail PreviewWorker::resting_detail(Clock::time_point now) const {
   const PreviewDetail coarse = costs_.finest_within(scan_ ? pace_.coarse / 2 : pace_.coarse, view_.receivers(),
                                                     static_cast<int>(cells_.size()), *drawn_);
   if (drawn_->full()) {
-    const bool behind = caught_up() ? shows_coarsely_first(waiting, static_cast<int>(cells_.size()),
-                                                           costs_.cell_s({}, view_.receivers()))
-                                    : burst_ >= many_cells;
-    return behind ? coarse : *drawn_;
+    const int cells = static_cast<int>(cells_.size());
+    const double cell_s = costs_.cell_s({}, view_.receivers());
+    if (!caught_up()) return burst_ >= many_cells ? coarse : *drawn_;
+    if (!together()) return shows_coarsely_first(waiting, cells, cell_s) ? coarse : *drawn_;
+    if (waiting == 0 || sum_s_ > 0) return *drawn_;  // none is under way, or one that is made to its end
+    if (!costs_.known()) return coarsest();
+    return shows_all_coarsely_first(static_cast<int>(fresh_.size()), cells, cell_s) ? coarse : *drawn_;
   }
   if (waiting > 0 || dirty_) return *drawn_;
   return all_in() || now >= last_cell_at_ + seconds(pace_.moment) ? PreviewDetail{} : *drawn_;
@@ -143,6 +151,7 @@ void PreviewWorker::hand_over() {
   const Clock::time_point start = Clock::now();
   if (const Status handed = renderer_->hand_over(); !handed) return stop_at(handed.error());
   handed_over_ = true;
+  sum_began_at_ = Clock::now();
   draw_s_ += seconds_since(start);
   if (!drawn_->full()) coarse_took_s_ = draw_s_;
   costs_.drawn(*drawn_, drawn_receivers(), draw_s_);
@@ -203,12 +212,15 @@ void PreviewWorker::show() {
   if (oldest != Clock::time_point::max()) frame.handed_in = oldest;
   dirty_ = false;
   last_error_.clear();
+  stopped_.reset();
   const PreviewDetail detail = *drawn_;
   const double receivers = drawn_receivers();
   hand_out(std::move(frame), start);
   costs_.shown(detail, receivers, last_->show_s + std::exchange(surround_s_, 0));
   if (!detail.full()) coarse_took_s_ += last_->show_s;
-  if (!holds_cells()) let_in();
+  // Else coarse pictures would follow each other for as long as cells come faster than they are made.
+  const bool full_follows = together() && !detail.full() && !moving_ && burst_ < many_cells;
+  if (!holds_cells() && !full_follows) let_in();
 }
 
 /// The last picture with another look.
@@ -238,6 +250,7 @@ void PreviewWorker::hand_out(PreviewFrame frame, Clock::time_point start) {
 void PreviewWorker::stop_at(const Error& error) {
   drawn_.reset();
   stuck_ = true;
+  stopped_ = error;
   report(error);
 }
 

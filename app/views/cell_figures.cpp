@@ -103,7 +103,10 @@ QString figure_meaning(CellFigure figure) {
       return tr("Sum of C times the pixel's area over all pixels and channels");
     case CellFigure::constant_distance:
       return tr(
-          "Er(θ0): what one distance for a whole cell makes of cos⁴θ, at most over the image, in % (Granier 2003)");
+          "Not of the measurement: it follows from the slide and the planes alone. How far off a cell would be at "
+          "most, "
+          "were it one spotlight with one distance for all of it, in % (Er(θ0), Granier 2003). The measurement is "
+          "untouched, and so are the methods here: shift-invariant takes each receiver's own distance");
   }
   return {};
 }
@@ -197,6 +200,14 @@ double CellFigures::largest(int channel) const {
   return largest;
 }
 
+QString CellFigures::geometry_note(CellIndex cell) const {
+  if (!(value(CellFigure::constant_distance, cell) > wide_basis_percent)) return {};
+  return tr("Constant-distance error above %1 %: of the slide and the planes alone; the measurement and the methods "
+            "here "
+            "are untouched")
+      .arg(value_text(wide_basis_percent));
+}
+
 QString CellFigures::summary(CellIndex cell) const {
   if (!model_.geometry() || !model_.geometry()->sampling.contains(cell)) return {};
   const Vec2 center = model_.geometry()->sampling.cell_center_mm(cell);
@@ -205,14 +216,13 @@ QString CellFigures::summary(CellIndex cell) const {
                      .arg(cell.column)
                      .arg(value_text(center.x(), 5), value_text(center.y(), 5));
   text += u'\n' + state_name(model_.state(cell));
+  if (const QString why = model_.damage(cell); !why.isEmpty()) text += QStringLiteral(": ") + why;
   const LuminaireModel::Cell* known = model_.cell(cell);
   if (!known) return text;
   text += tr(", generation %1").arg(known->entry.generation);
   for (const CellFigure figure : all_cell_figures)
     text += QStringLiteral("\n%1: %2").arg(figure_name(figure), this->text(figure, cell));
-  if (value(CellFigure::constant_distance, cell) > wide_basis_percent)
-    text += u'\n' + tr("Its basis is wide for the planes' distance: above %1 % of error as a single spotlight")
-                        .arg(value_text(wide_basis_percent));
+  if (const QString note = geometry_note(cell); !note.isEmpty()) text += u'\n' + note;
   if (!known->entry.quality) return text;
   for (const auto& [pass, exposures_s] : known->entry.quality->exposures_s)
     text += u'\n' + tr("Exposures of pass %1, adapted: %2 s").arg(QString::fromStdString(pass), list_text(exposures_s));

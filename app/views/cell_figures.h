@@ -12,13 +12,12 @@
 
 namespace lumifield {
 
-/// The figures that say how good a cell is.
-enum class CellFigure { saturated, starved, snr, position, drift, dark, neighbours, constant_distance, total };
+/// The figures that say how good a cell is; the last is none of the measurement: it follows from slide and planes.
+enum class CellFigure { saturated, starved, snr, position, drift, dark, neighbours, total, constant_distance };
 inline constexpr std::array all_cell_figures{
-    CellFigure::saturated, CellFigure::starved, CellFigure::snr,        CellFigure::position,
-    CellFigure::drift,     CellFigure::dark,    CellFigure::neighbours, CellFigure::constant_distance,
-    CellFigure::total};
-/// Of constant_distance, in percent: from here on the cell is told to have too wide a basis for its distance.
+    CellFigure::saturated, CellFigure::starved,    CellFigure::snr,   CellFigure::position,         CellFigure::drift,
+    CellFigure::dark,      CellFigure::neighbours, CellFigure::total, CellFigure::constant_distance};
+/// Of constant_distance, in percent: from here on the cell is told to be too wide for one distance.
 inline constexpr double wide_basis_percent = 8;
 
 /// "Saturated share"; what it is, in a sentence; its unit as shown, "" for a plain number.
@@ -54,6 +53,8 @@ class CellFigures {
   const ImageFigures& look_at(CellIndex cell) const;
   /// Largest value of a channel over all measured cells, L-units per mm²; 0 when none is positive.
   double largest(int channel) const;
+  /// What is to be said of a cell that is too wide for one distance; empty of others.
+  QString geometry_note(CellIndex cell) const;
   /// Everything known about a cell, line by line.
   QString summary(CellIndex cell) const;
 

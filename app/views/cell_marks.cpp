@@ -25,6 +25,8 @@ QColor state_colour(State state) {
       return {92, 134, 176};
     case State::warned:
       return {240, 170, 40};
+    case State::damaged:
+      return {176, 40, 40};
     case State::unmeasured:
       break;
   }
@@ -60,6 +62,12 @@ void paint_exclamation(QPainter& painter, const QRectF& box, const QColor& ink) 
   painter.drawRect(QRectF(x, box.bottom() - 0.22 * box.height(), width, 0.22 * box.height()));
 }
 
+void paint_cross(QPainter& painter, const QRectF& box, const QColor& ink) {
+  painter.setPen(QPen(ink, std::max(1.5, 0.18 * box.width()), Qt::SolidLine, Qt::FlatCap));
+  painter.drawLine(box.topLeft(), box.bottomRight());
+  painter.drawLine(box.topRight(), box.bottomLeft());
+}
+
 void paint_mark(QPainter& painter, const QRectF& rect, State state, double share) {
   const double side = std::max(4.0, share * std::min(rect.width(), rect.height()));
   QRectF box(0, 0, side, side);
@@ -70,6 +78,7 @@ void paint_mark(QPainter& painter, const QRectF& rect, State state, double share
   if (state == State::measuring) paint_triangle(painter, box, ink);
   if (state == State::waiting) paint_turning_arrow(painter, box, ink);
   if (state == State::warned) paint_exclamation(painter, box, ink);
+  if (state == State::damaged) paint_cross(painter, box, ink);
   painter.restore();
 }
 
@@ -92,6 +101,8 @@ QString state_name(State state) {
       return tr("measured");
     case State::warned:
       return tr("measured, warned");
+    case State::damaged:
+      return tr("damaged");
   }
   return {};
 }

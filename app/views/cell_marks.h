@@ -13,14 +13,14 @@ class QRectF;
 namespace lumifield {
 
 inline constexpr std::array all_cell_states{LuminaireModel::State::unmeasured, LuminaireModel::State::measuring,
-                                            LuminaireModel::State::waiting, LuminaireModel::State::measured,
-                                            LuminaireModel::State::warned};
+                                            LuminaireModel::State::waiting,    LuminaireModel::State::measured,
+                                            LuminaireModel::State::warned,     LuminaireModel::State::damaged};
 
 /// "measuring now".
 QString state_name(LuminaireModel::State state);
 
 /// A cell's state without its colour alone: unmeasured hollow, measured plain, measuring a triangle, waiting for a
-/// retake a turning arrow, warned an exclamation mark.
+/// retake a turning arrow, warned an exclamation mark, damaged a cross.
 void paint_state(QPainter& painter, const QRectF& rect, LuminaireModel::State state, const QPalette& palette);
 
 /// The same mark, small, in the upper right corner of a cell that shows something else; none for unmeasured and

@@ -165,7 +165,8 @@ void CellView::refresh_title() {
     return;
   }
   QString text = tr("Cell (row %1, column %2)").arg(cell_->row).arg(cell_->column);
-  image_->set_placeholder(tr("%1: not measured yet").arg(text));
+  const QString why = model_.damage(*cell_);
+  image_->set_placeholder(why.isEmpty() ? tr("%1: not measured yet").arg(text) : tr("%1: damaged: %2").arg(text, why));
   if (const LuminaireModel::Cell* cell = known()) text += tr(", generation %1").arg(cell->entry.generation);
   title_->setText(text + QStringLiteral(": ") + state_name(model_.state(*cell_)));
 }
@@ -213,6 +214,7 @@ void CellView::refresh_figures() {
   else
     for (const std::string& warning : cell->entry.quality->warnings)
       lines << tr("⚠ Warning: %1").arg(QString::fromStdString(warning));
+  if (const QString note = figures_.geometry_note(*cell_); !note.isEmpty()) lines << note;
   warnings_->setText(lines.join(u'\n'));
 }
 

@@ -27,6 +27,10 @@ GridView::GridView(const LuminaireModel& model, QWidget* parent)
   column->addWidget(map_, 1);
   column->addWidget(bar_);
   column->addWidget(legend_);
+  // Its room stays, so that no other panel moves when it comes.
+  QSizePolicy kept = bar_->sizePolicy();
+  kept.setRetainSizeWhenHidden(true);
+  bar_->setSizePolicy(kept);
   bar_->hide();
   retake_->setAccessibleName(tr("Retake selected cells"));
 
@@ -52,7 +56,7 @@ QWidget* GridView::make_colour_choice() {
   label->setBuddy(colouring_);
   colouring_->setAccessibleName(tr("What the cells are coloured by"));
   colouring_->addItem(tr("State"));
-  colouring_->setItemData(0, tr("Unmeasured, measuring, waiting, measured, warned"), Qt::ToolTipRole);
+  colouring_->setItemData(0, tr("Unmeasured, measuring, waiting, measured, warned, damaged"), Qt::ToolTipRole);
   for (const CellFigure figure : all_cell_figures) {
     colouring_->addItem(figure_name(figure));
     colouring_->setItemData(colouring_->count() - 1, figure_meaning(figure), Qt::ToolTipRole);

@@ -21,6 +21,7 @@ class ImageView : public QWidget {
   /// size than the image is not taken.
   void set_image(const QImage& image, const QImage& mask = {});
   void set_placeholder(const QString& text);
+  const QString& placeholder() const { return placeholder_; }
   /// Height of an image pixel over its width, as shown.
   void set_pixel_aspect(double aspect);
 

@@ -42,7 +42,7 @@ LuminaireModel::State LuminaireModel::state(CellIndex index) const {
   if (measuring_ == index) return State::measuring;
   if (waiting_.contains(index)) return State::waiting;
   const Cell* known = cell(index);
-  if (!known) return State::unmeasured;
+  if (!known) return damaged_.contains(index) ? State::damaged : State::unmeasured;
   return known->entry.quality && !known->entry.quality->warnings.empty() ? State::warned : State::measured;
 }
 
@@ -60,6 +60,18 @@ void LuminaireModel::clear() {
   differences_.forget();
   measuring_.reset();
   waiting_.clear();
+  damaged_.clear();
+}
+
+QString LuminaireModel::damage(CellIndex index) const {
+  const auto found = damaged_.find(index);
+  return found == damaged_.end() ? QString() : found->second;
+}
+
+void LuminaireModel::take_damage(CellIndex index, const QString& why) {
+  if (cells_.contains(index)) return;
+  damaged_[index] = why;
+  emit stateChanged(index);
 }
 
 void LuminaireModel::put(const CellEntry& entry, std::shared_ptr<const CellImage> image) {
@@ -68,6 +80,7 @@ void LuminaireModel::put(const CellEntry& entry, std::shared_ptr<const CellImage
   cell.entry = entry;
   cell.image = std::move(image);
   waiting_.erase(entry.cell);
+  damaged_.erase(entry.cell);
   emit cellChanged(entry.cell);
   wish_differences(entry.cell);
 }
@@ -183,6 +196,8 @@ void LuminaireModel::read(const LoadPointer& load, const std::filesystem::path& 
     Result<CellImage> image = guarded("opening", [&] { return read_cell(*index, entry); });
     if (!image) {
       notes << text(image.error().message());
+      load->post(load,
+                 [cell = entry.cell, why = notes.last()](LuminaireModel& model) { model.take_damage(cell, why); });
       continue;
     }
     image->variance = std::vector<float>();

@@ -27,7 +27,7 @@ class LuminaireModel : public QObject {
     /// then, or of the images before; cellChanged tells.
     double neighbour_difference = std::numeric_limits<double>::quiet_NaN();
   };
-  enum class State { unmeasured, measuring, waiting, measured, warned };
+  enum class State { unmeasured, measuring, waiting, measured, warned, damaged };
 
   explicit LuminaireModel(QObject* parent = nullptr);
   ~LuminaireModel() override;
@@ -38,6 +38,9 @@ class LuminaireModel : public QObject {
   /// Null while unmeasured.
   const Cell* cell(CellIndex index) const;
   State state(CellIndex index) const;
+  /// Why a cell of the dataset could not be read; empty of others.
+  QString damage(CellIndex index) const;
+  int damaged() const { return static_cast<int>(damaged_.size()); }
   int measured() const { return static_cast<int>(cells_.size()); }
   int total() const { return geometry_ ? geometry_->sampling.cells() : 0; }
 
@@ -71,6 +74,7 @@ class LuminaireModel : public QObject {
 
  private:
   void clear();
+  void take_damage(CellIndex index, const QString& why);
   void wish_differences(CellIndex around);
   void take_difference(CellIndex index, double difference);
   struct Load;
@@ -86,8 +90,9 @@ class LuminaireModel : public QObject {
   NeighbourDifferences differences_;
   std::optional<CellIndex> measuring_;
   std::set<CellIndex> waiting_;
-  LoadPointer opening_;   ///< null but before a load begins
-  LoadPointer arriving_;  ///< null but while cells come
+  std::map<CellIndex, QString> damaged_;  ///< and why
+  LoadPointer opening_;                   ///< null but before a load begins
+  LoadPointer arriving_;                  ///< null but while cells come
 };
 
 }  // namespace lumifield

@@ -22,6 +22,7 @@
 #include "app/views/lamps_panel.h"
 #include "app/views/notices_panel.h"
 #include "app/views/preview_panel.h"
+#include "app/views/preview_text.h"
 #include "app/views/preview_thread.h"
 #include "app/views/recent_luminaires.h"
 #include "app/views/scan_panel.h"
@@ -160,6 +161,7 @@ void MainWindow::show_state() {
   grid_->set_retake_possible(why_not_again.isEmpty(), why_not_again);
   retake_->setEnabled(why_not_again.isEmpty() && !grid_->map().retakable().empty());
   const bool there = model.geometry() || workbench_->request();
+  preview_->set_cells({model.measured(), model.damaged()});
   middle_->setCurrentWidget(there ? static_cast<QWidget*>(preview_) : start_page_);
   if (!model.geometry()) {
     setWindowTitle(tr("Lumifield"));

@@ -62,6 +62,7 @@ void MainWindow::join_cells() {
     show_state();
   });
   connect(&model, &LuminaireModel::cellChanged, this, &MainWindow::show_state);
+  connect(&model, &LuminaireModel::stateChanged, this, &MainWindow::show_state);
   connect(&model, &LuminaireModel::loaded, this, [this, &model](const QString& folder) {
     recent_->add(folder);
     if (workbench_->scan().busy()) return;
@@ -110,6 +111,11 @@ void MainWindow::join_scan() {
     notices_badge_->setText(faults     ? counted(faults, tr("fault"))
                             : warnings ? counted(warnings, tr("warning"))
                                        : counted(information, tr("notice")));
+  });
+  // The tab of a list that is out of sight says what waits in it.
+  connect(notices_dock_, &QDockWidget::visibilityChanged, notices_, &NoticesPanel::set_in_sight);
+  connect(notices_, &NoticesPanel::unreadChanged, this, [this](int unread) {
+    notices_dock_->setWindowTitle(unread > 0 ? tr("Notices (%1 new)").arg(unread) : tr("Notices"));
   });
   connect(workbench_.get(), &Workbench::noticed, this, [this](const OperatorNotice& notice) {
     if (notice.level == OperatorNotice::Level::fault) notices_dock_->raise();

@@ -115,7 +115,11 @@ void MainWindow::show_keys() {
       "arrow's tip, turn it; Esc cancels</td></tr>"
       "<tr><td><b>L, then arrow keys</b></td><td>choose a lamp and move it; with Shift along its beam; with Ctrl turn "
       "it; Esc ends it</td></tr>"
-      "<tr><td><b>arrow keys in the grid</b></td><td>choose a cell; Enter shows it</td></tr>");
+      "<tr><td><b>arrow keys in the grid</b></td><td>choose a cell; Enter shows it</td></tr>"
+      "<tr><td><b>Ctrl or Shift with a click, or drag</b></td><td>select several cells in the grid: one more, up to "
+      "there, those in the frame</td></tr>"
+      "<tr><td><b>Shift+arrow keys, Ctrl+Space, Ctrl+A</b></td><td>the same by keys: up to there, one more or less, "
+      "all</td></tr>");
   QMessageBox(QMessageBox::NoIcon, tr("Keys"), "<table>" + keys.join(QString()) + "</table>", QMessageBox::Close, this)
       .exec();
 }

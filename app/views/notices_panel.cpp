@@ -11,6 +11,7 @@
 #include <QScrollBar>
 #include <QVBoxLayout>
 #include <algorithm>
+#include <utility>
 
 #include "app/views/notice_delegate.h"
 
@@ -69,13 +70,26 @@ void NoticesPanel::add(const OperatorNotice& notice) {
   const QScrollBar* bar = list_->verticalScrollBar();
   const bool follow = bar->value() >= bar->maximum();
   model_->add(notice);
+  if (!in_sight_) set_unread(unread_ + 1);
   if (follow) list_->scrollToBottom();
   if (notice.level == OperatorNotice::Level::information) return;
   QAccessibleEvent alert(list_, QAccessible::Alert);
   QAccessible::updateAccessibility(&alert);
 }
 
-void NoticesPanel::clear() { model_->clear(); }
+void NoticesPanel::clear() {
+  model_->clear();
+  set_unread(0);
+}
+
+void NoticesPanel::set_in_sight(bool in_sight) {
+  in_sight_ = in_sight;
+  if (in_sight) set_unread(0);
+}
+
+void NoticesPanel::set_unread(int unread) {
+  if (std::exchange(unread_, unread) != unread) emit unreadChanged(unread);
+}
 
 void NoticesPanel::copy() {
   QModelIndexList chosen = list_->selectionModel()->selectedIndexes();

@@ -24,10 +24,14 @@ class NoticesPanel : public QWidget {
   void add(const lumifield::OperatorNotice& notice);
   void clear();
   void copy();
+  /// Whether the operator sees the list: what is in it then is read.
+  void set_in_sight(bool in_sight);
 
  signals:
   /// How many different notices of each level are listed, for a badge.
   void countsChanged(int information, int warnings, int faults);
+  /// How many came since the list was in sight.
+  void unreadChanged(int unread);
 
  protected:
   bool eventFilter(QObject* watched, QEvent* event) override;
@@ -36,6 +40,10 @@ class NoticesPanel : public QWidget {
   QWidget* make_buttons();
   void show_counts(int information, int warnings, int faults);
 
+  void set_unread(int unread);
+
+  bool in_sight_ = false;
+  int unread_ = 0;
   NoticesModel* model_;
   QListView* list_;
   QLabel* counts_ = nullptr;

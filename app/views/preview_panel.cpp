@@ -37,9 +37,13 @@ PreviewPanel::PreviewPanel(QWidget* parent)
       saver_(new PictureSaver(this)),
       status_(new ElidedLabel(this)),
       lamps_(new QAction(tr("&Lamps"), this)),
+      handles_(new QAction(tr("Lamp &handles"), this)),
       reset_(new QAction("&Reset view", this)),
       save_(new QAction("&Save picture…", this)) {
   lamps_->setToolTip(tr("Where the scene's lamps stand: a list with numbers, lamps to add and remove"));
+  handles_->setToolTip(tr("Whether the lamps' handles lie over the picture"));
+  handles_->setCheckable(true);
+  handles_->setChecked(true);
   reset_->setIconText("Reset");
   reset_->setToolTip("Back to the scene's own camera (double click, R)");
   save_->setToolTip("Save the picture: PNG as it is shown, or EXR with its linear values");
@@ -60,6 +64,11 @@ PreviewPanel::PreviewPanel(QWidget* parent)
   connect(scenes_, &SceneMenu::sceneChosen, this, &PreviewPanel::sceneChosen);
   connect(scenes_->save_action(), &QAction::triggered, this, &PreviewPanel::ask_for_scene_file);
   connect(lamps_, &QAction::triggered, this, &PreviewPanel::lampsWanted);
+  connect(handles_, &QAction::toggled, view_, &PreviewView::set_handles_shown);
+  connect(method_, &PreviewMethodBar::methodChanged, this, &PreviewPanel::tell_chosen);
+  connect(method_, &PreviewMethodBar::visibilityChanged, this, &PreviewPanel::tell_chosen);
+  connect(method_, &PreviewMethodBar::environmentSwitched, this, &PreviewPanel::tell_chosen);
+  tell_chosen();
   connect(reset_, &QAction::triggered, view_, &PreviewView::reset_view);
   connect(save_, &QAction::triggered, this, &PreviewPanel::ask_for_file);
   connect(saver_, &PictureSaver::noticed, this, &PreviewPanel::noticed);
@@ -114,6 +123,7 @@ void PreviewPanel::connect_to(PreviewInbox& inbox, LivePreview& live) {
   });
   connect(&inbox, &PreviewInbox::ready, this, &PreviewPanel::show_ready);
   connect(&inbox, &PreviewInbox::failed, this, &PreviewPanel::show_failure);
+  connect(&inbox, &PreviewInbox::progress, view_, &PreviewView::show_progress);
   // The inbox's end ends what is told to the render thread too.
   connect(view_, &PreviewView::cameraChanged, &inbox,
           [&live](const SceneCamera& camera, bool moving) { live.set_camera(camera, moving); });
@@ -177,10 +187,18 @@ void PreviewPanel::show_ready(const RendererInfo& info) {
   awaits_scene_ = false;
   info_ = info;
   method_->offer_environment(info.has_environment);
+  tell_chosen();
   show_notes();
 }
 
 void PreviewPanel::show_failure(const Error& error) { view_->show_failure(error); }
+
+void PreviewPanel::set_cells(PreviewCells cells) { view_->set_cells(cells); }
+
+/// What the picture is to be by, at once: the render thread may be at a piece of work.
+void PreviewPanel::tell_chosen() {
+  view_->set_chosen({method_->method(), method_->visibility(), info_.has_environment && method_->environment()});
+}
 
 void PreviewPanel::show_notes() {
   QStringList notes;
@@ -234,6 +252,7 @@ QList<QAction*> PreviewPanel::panel_actions() const {
   return {scenes_->open_action(),
           scenes_->save_action(),
           lamps_,
+          handles_,
           reset_,
           look_->brighter_action(),
           look_->darker_action(),

@@ -22,6 +22,7 @@ class PreviewLookBar;
 class PreviewMethodBar;
 class PreviewView;
 class SceneMenu;
+struct PreviewCells;
 
 /// The preview with its tools: scene, lamps, exposure or false colours, method, view, saving; below, the value under
 /// the cursor or what the picture leaves out. GUI thread.
@@ -44,6 +45,8 @@ class PreviewPanel : public QWidget {
   void show_frame(const std::shared_ptr<const PreviewFrame>& frame);
   void show_ready(const RendererInfo& info);
   void show_failure(const Error& error);
+  /// Of the luminaire, be they in a picture or not.
+  void set_cells(PreviewCells cells);
   /// Writes the latest picture, PNG or EXR by the name's end; `noticed` tells how it went.
   void save_picture(const std::filesystem::path& file);
   /// Writes the scene as it is seen and lit now; `noticed` tells how it went. Mesh and environment stay where they are.
@@ -53,8 +56,8 @@ class PreviewPanel : public QWidget {
   PreviewLookBar& look_bar() { return *look_; }
   PreviewMethodBar& method_bar() { return *method_; }
   LampArrangement& lamps();
-  /// For a menu, with mnemonics and without keys: open scene, save scene, lamps, reset view, brighter, darker, hold
-  /// average, false colour, save picture.
+  /// For a menu, with mnemonics and without keys: open scene, save scene, lamps, their handles, reset view, brighter,
+  /// darker, hold average, false colour, save picture.
   QList<QAction*> panel_actions() const;
   SceneMenu* scene_menu() const { return scenes_; }
 
@@ -68,6 +71,7 @@ class PreviewPanel : public QWidget {
   void make_tools();
   void set_tab_order();
   void show_notes();
+  void tell_chosen();
   void ask_for_file();
   void ask_for_scene_file();
   void allow_saving();
@@ -80,7 +84,7 @@ class PreviewPanel : public QWidget {
   ElidedLabel* status_;
   QWidget* tools_ = nullptr;
   QToolButton* scene_button_ = nullptr;
-  QAction *lamps_, *reset_, *save_;
+  QAction *lamps_, *handles_, *reset_, *save_;
   std::optional<Scene> scene_;  ///< as its file has it
   std::filesystem::path scene_file_;
   RendererInfo info_;

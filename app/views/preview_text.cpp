@@ -2,43 +2,103 @@
 
 #include <QStringList>
 #include <algorithm>
+#include <cmath>
 
 #include "app/views/lamp_pose.h"
 #include "app/views/value_text.h"
 
 namespace lumifield {
-QString progress_text(const PreviewFrame& frame) {
-  const double ms = 1000 * (frame.draw_s + frame.sum_s + frame.show_s);
-  QString text = QString("%1 of %2 cells · picture %3 ms").arg(frame.cells).arg(frame.total).arg(ms, 0, 'f', 0);
-  const MethodInfo& method = info(frame.method.method);
-  if (frame.method.method != Method::closed_form) {
-    text += " · " + QString::fromUtf8(method.name.data(), static_cast<qsizetype>(method.name.size()));
-    if (method.cost != MethodCost::none) text += QString(", %1").arg(frame.method.samples);
-    if (method.method == Method::shift_invariant)
-      text += QString(", %1").arg(to_string(frame.method.spots.look_up).data());
-  }
-  if (frame.visibility == Visibility::none)
-    text += " · no shadows";
-  else
-    text += " · shadows: " + QString::fromUtf8(shadows_of(method.method, frame.visibility).data());
-  if (frame.environment) text += " · environment";
-  if (frame.coarse) text += " · coarse";
+namespace {
+
+QString text_of(std::string_view text) { return QString::fromUtf8(text.data(), static_cast<qsizetype>(text.size())); }
+
+QString method_text(const MethodSettings& settings) {
+  const MethodInfo& method = info(settings.method);
+  const bool counted = method.cost != MethodCost::none && settings.method != Method::closed_form;
+  QString text = text_of(method.name) + (counted ? QString(", %1").arg(settings.samples) : QString());
+  if (settings.method == Method::shift_invariant) text += ", " + text_of(to_string(settings.spots.look_up));
   return text;
 }
 
-QString missing_text(const PreviewFrame& frame) {
-  const int measured = std::max(frame.measured, frame.cells), missing = frame.total - measured;
-  const int late = measured - frame.cells;
+QString shadows_text(Method method, Visibility visibility) {
+  if (visibility == Visibility::none) return "no shadows";
+  return "shadows: " + text_of(shadows_of(method, visibility));
+}
+
+QString light_text(const PreviewChoice& light) {
+  return method_text(light.method) + " · " + shadows_text(light.method.method, light.visibility) +
+         (light.environment ? " · environment" : "");
+}
+
+bool same_method(const MethodSettings& a, const MethodSettings& b) {
+  return a.method == b.method &&
+         (a.samples == b.samples || info(a.method).cost == MethodCost::none || a.method == Method::closed_form);
+}
+
+bool same_light(const PreviewChoice& a, const PreviewChoice& b) {
+  return same_method(a.method, b.method) && a.visibility == b.visibility && a.environment == b.environment;
+}
+
+/// ", finer in about 12 s"; ", a finer one follows".
+QString finer_text(const PreviewProgress& progress) {
+  if (!progress.working) return {};
+  return !progress.coarse && progress.left_s > 0 ? ", finer in " + about_text(progress.left_s)
+                                                 : ", a finer one follows";
+}
+
+/// ": 35 %, about 12 s left", once some is done.
+QString share_text(const PreviewProgress& progress) {
+  if (!(progress.working && progress.share > 0)) return {};
+  const QString share = QString(": %1 %").arg(static_cast<int>(100 * progress.share));
+  return progress.left_s > 0 ? share + ", " + about_text(progress.left_s) + " left" : share;
+}
+
+}  // namespace
+
+QString about_text(double seconds) {
+  return seconds < 90 ? QString("about %1 s").arg(std::ceil(seconds))
+                      : QString("about %1 min").arg(std::ceil(seconds / 60));
+}
+
+QString progress_text(const PreviewFrame& frame, const PreviewProgress& progress) {
+  const double ms = 1000 * (frame.draw_s + frame.sum_s + frame.show_s);
+  QString text = QString("%1 of %2 cells · picture %3 ms").arg(frame.cells).arg(frame.total).arg(ms, 0, 'f', 0);
+  if (frame.method.method != Method::closed_form) text += " · " + method_text(frame.method);
+  text += " · " + shadows_text(frame.method.method, frame.visibility);
+  if (frame.environment) text += " · environment";
+  if (frame.coarse) return text + " · coarse" + finer_text(progress);
+  return progress.working && progress.left_s > 0 ? text + " · next in " + about_text(progress.left_s) : text;
+}
+
+QString missing_text(const PreviewFrame& frame, PreviewCells now) {
+  const int measured = std::max({now.measured, frame.measured, frame.cells}), late = measured - frame.cells;
+  const int missing = frame.total - measured - now.damaged;
   QStringList said;
   if (missing > 0 && measured == 0)
     said << QString("none of %1 cells measured yet: the scene is dark").arg(frame.total);
   else if (missing > 0)
     said << QString("%1 of %2 cells not measured yet: their light is missing").arg(missing).arg(frame.total);
+  if (now.damaged > 0)
+    said << QString(now.damaged == 1 ? "%1 cell is damaged: its light is missing (see Notices)"
+                                     : "%1 cells are damaged: their light is missing (see Notices)")
+                .arg(now.damaged);
   if (late > 0)
     said << QString(late == 1 ? "%1 measured cell is not in the picture yet"
                               : "%1 measured cells are not in the picture yet")
                 .arg(late);
   return said.join("; ");
+}
+
+QString coming_text(const PreviewFrame* frame, const PreviewProgress& progress, const PreviewChoice& chosen) {
+  const PreviewChoice shown = frame ? PreviewChoice{frame->method, frame->visibility, frame->environment} : chosen;
+  if (frame && same_light(shown, chosen)) return {};
+  const QString instead = frame ? ". Shown: " + light_text(shown) : QString();
+  // What is not taken yet has no progress of its own.
+  const bool taken = same_method(progress.asked, chosen.method) && progress.visibility == chosen.visibility;
+  if (taken && progress.refused)
+    return QString("No picture by %1: %2")
+        .arg(light_text(chosen), QString::fromStdString(progress.refused->message()) + instead);
+  return "Computing " + light_text(chosen) + (taken ? share_text(progress) : QString()) + instead;
 }
 
 QString pixel_text(const Picture& picture, int i, int j, Quantity quantity) {

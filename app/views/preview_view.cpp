@@ -82,9 +82,43 @@ void PreviewView::show_failure(const Error& error) {
   update();
 }
 
-void PreviewView::say_state() {
+void PreviewView::set_chosen(const PreviewChoice& chosen) {
+  chosen_ = chosen;
+  say_state();
+  update();
+}
+
+void PreviewView::show_progress(const PreviewProgress& progress) {
+  progress_ = progress;
+  say_state();
+  update();
+}
+
+void PreviewView::set_cells(PreviewCells cells) {
+  cells_ = cells;
+  say_state();
+  update();
+}
+
+void PreviewView::set_handles_shown(bool shown) {
+  handles_shown_ = shown;
+  if (!shown) lamps_->choose(-1);
+  point_at_lamps();
+  update();
+}
+
+/// What went wrong, and of a choice that the picture does not show.
+QStringList PreviewView::warnings() const {
   QStringList said;
-  if (failure_) said << QString::fromStdString(failure_->message());
+  const QString coming = quantity_ ? coming_text(frame_.get(), progress_, chosen_) : QString();
+  const bool told = failure_ && progress_.refused && progress_.refused->message() == failure_->message();
+  if (failure_ && !(told && !coming.isEmpty())) said << QString::fromStdString(failure_->message());
+  if (frame_ && !coming.isEmpty()) said << coming;
+  return said;
+}
+
+void PreviewView::say_state() {
+  QStringList said = warnings();
   if (!has_scene_)
     said << "no scene";
   else if (!quantity_)
@@ -93,7 +127,7 @@ void PreviewView::say_state() {
     said << QString("%1 of %2 cells").arg(frame_->cells).arg(frame_->total);
   if (frame_ && lamps_->chosen() >= 0)
     said << lamp_text(lamps_->chosen(), lamps_->lamp(lamps_->chosen()), lamps_->up());
-  if (frame_ && frame_->cells < frame_->total) said << missing_text(*frame_);
+  if (const QString missing = frame_ ? missing_text(*frame_, cells_) : QString(); !missing.isEmpty()) said << missing;
   const QString text = said.join("; ");
   if (text != accessibleDescription()) setAccessibleDescription(text);
 }
@@ -185,16 +219,18 @@ void PreviewView::draw_picture(QPainter& painter) {
   }
   painter.drawPixmap(at.topLeft(), scaled_);
   if (const auto view = projection()) draw_lamps(painter, *view, grip_.handles(*view), grip_.at(), lamps_->chosen());
-  QString warning = missing_text(*frame_);
-  if (failure_) warning.prepend(QString::fromStdString(failure_->message()) + "\n");
-  const double strip = draw_strip(painter, rect(), warning.trimmed(), progress_text(*frame_));
+  // The time to a picture by what is chosen stands with the choice.
+  const bool other = !coming_text(frame_.get(), progress_, chosen_).isEmpty();
+  const QString warning = (warnings() << missing_text(*frame_, cells_)).join("\n").trimmed();
+  const double strip =
+      draw_strip(painter, rect(), warning, progress_text(*frame_, other ? PreviewProgress() : progress_));
   if (frame_->look.false_colour)
     draw_scale_bar(painter, QRectF(rect()).adjusted(0, 0, 0, -strip), frame_->scale_top,
                    frame_->look.false_colour_top > 0, unit_text(unit_of(*quantity_)));
 }
 
 void PreviewView::draw_reason(QPainter& painter) {
-  QString title = "Preparing the picture…", text;
+  QString title = "Preparing the picture…", text = coming_text(nullptr, progress_, chosen_);
   if (failure_) {
     title = "No picture";
     text = QString::fromStdString(Error{failure_->what, failure_->where, {}, {}}.message());

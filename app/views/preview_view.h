@@ -2,6 +2,7 @@
 
 #include <QPixmap>
 #include <QString>
+#include <QStringList>
 #include <QTimer>
 #include <QWidget>
 #include <memory>
@@ -10,6 +11,7 @@
 #include "app/session/live_preview.h"
 #include "app/views/lamp_grip.h"
 #include "app/views/orbit_camera.h"
+#include "app/views/preview_text.h"
 
 namespace lumifield {
 
@@ -38,6 +40,12 @@ class PreviewView : public QWidget {
   void show_frame(std::shared_ptr<const PreviewFrame> frame);
   /// Said until the next frame; an older picture stays below it.
   void show_failure(const Error& error);
+  /// What is asked of the render thread, which the picture may not show yet; what it is at; and the cells by now.
+  void set_chosen(const PreviewChoice& chosen);
+  void show_progress(const PreviewProgress& progress);
+  void set_cells(PreviewCells cells);
+  /// Lamps' handles, drawn and to be grasped; they are until told otherwise.
+  void set_handles_shown(bool shown);
 
   /// Null while there is none.
   const std::shared_ptr<const PreviewFrame>& frame() const { return frame_; }
@@ -83,6 +91,7 @@ class PreviewView : public QWidget {
   void want_size();
   void tell_pointed();
   void say_state();
+  QStringList warnings() const;
   double view_height() const;
   Vec2 from_centre(const QPointF& position) const;
   void draw_picture(QPainter& painter);
@@ -100,6 +109,10 @@ class PreviewView : public QWidget {
   std::shared_ptr<const PreviewFrame> frame_, painted_frame_;
   QPixmap scaled_;  ///< frame_ in the widget's device pixels; null when it is to be made
   std::optional<Error> failure_;
+  PreviewChoice chosen_;
+  PreviewProgress progress_;
+  PreviewCells cells_;
+  bool handles_shown_ = true;
   bool has_scene_ = false;
   std::optional<Quantity> quantity_;  ///< empty without a luminaire
   OrbitCamera orbit_;

@@ -27,7 +27,7 @@ QString hint(const LampHit& at) {
 /// Of the picture that is shown, which handles and cursor belong to.
 std::optional<PictureProjection> PreviewView::projection() const {
   const QRectF rect = picture_rect();
-  if (rect.isEmpty()) return {};
+  if (rect.isEmpty() || !handles_shown_) return {};
   return PictureProjection(frame_->camera, pixel(rect.topLeft()), {rect.width(), rect.height()});
 }
 
@@ -74,7 +74,7 @@ bool PreviewView::lamp_key(const QKeyEvent* event) {
     lamps_->choose(-1);
     return chosen;
   }
-  if (event->key() == Qt::Key_L && !(event->modifiers() & ~Qt::ShiftModifier) && frame_) {
+  if (event->key() == Qt::Key_L && !(event->modifiers() & ~Qt::ShiftModifier) && frame_ && handles_shown_) {
     lamp_stepped_ = true;
     lamps_->choose_next(event->modifiers().testFlag(Qt::ShiftModifier) ? -1 : 1);
     return true;

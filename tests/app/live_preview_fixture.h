@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <condition_variable>
 #include <filesystem>
 #include <fstream>
@@ -59,7 +60,8 @@ class Told {
   LivePreview::Callbacks callbacks() {
     return {[this](FramePtr frame) { note([&] { frames_.push_back(std::move(frame)); }); },
             [this](const RendererInfo& info) { note([&] { ready_.push_back(info); }); },
-            [this](const Error& error) { note([&] { errors_.push_back(error.message()); }); }};
+            [this](const Error& error) { note([&] { errors_.push_back(error.message()); }); },
+            [this](const PreviewProgress& progress) { note([&] { progress_.push_back(progress); }); }};
   }
   /// The first frame from the `from`-th on that is as wanted; null when none comes.
   template <class Wanted>
@@ -75,6 +77,14 @@ class Told {
   }
   FramePtr full(int cells, std::size_t from = 0) {
     return frame([&](const PreviewFrame& f) { return !f.coarse && f.cells == cells; }, from);
+  }
+  /// Whether some progress is told, or has been, that is as wanted.
+  template <class Wanted>
+  bool progress(Wanted&& wanted) {
+    return wait([&] { return std::ranges::any_of(progress_, wanted); });
+  }
+  PreviewProgress last_progress() {
+    return locked([&] { return progress_.back(); });
   }
   bool ready(std::size_t times) {
     return wait([&] { return ready_.size() >= times; });
@@ -101,6 +111,7 @@ class Told {
   std::vector<FramePtr> frames_;
   std::vector<RendererInfo> ready_;
   std::vector<std::string> errors_;
+  std::vector<PreviewProgress> progress_;
 };
 
 /// A room with one wall, a luminaire of 4 × 3 cells, and what the callbacks told.

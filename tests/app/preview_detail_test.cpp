@@ -111,5 +111,22 @@ TEST(PreviewCosts, OnlyManyCellsAreShownCoarselyFirst) {
   EXPECT_TRUE(shows_coarsely_first(30, 60, 5));
 }
 
+TEST(PreviewCosts, OfAFullPictureAreThoseOfCoarseOnesUntilOneIsMade) {
+  PreviewCosts costs;
+  EXPECT_FALSE(costs.known());
+  for (int k = 0; k < 20; ++k) costs.summed(coarsest(), pixels / 256, 1, 0.1);
+  EXPECT_TRUE(costs.known());
+  EXPECT_GT(costs.cell_s({}, pixels), 0.1) << "as dear as the coarse ones at the least";
+  for (int k = 0; k < 20; ++k) costs.summed({}, pixels, 1, 0.05);
+  EXPECT_NEAR(costs.cell_s({}, pixels), 0.05, 0.01);
+}
+
+TEST(PreviewCosts, CellsThatAreComputedTogetherAreShownCoarselyFirstWhereTheyTakeLong) {
+  EXPECT_TRUE(shows_all_coarsely_first(1, 1, 5)) << "the first";
+  EXPECT_TRUE(shows_all_coarsely_first(30, 60, 5)) << "the full picture has half of them";
+  EXPECT_FALSE(shows_all_coarsely_first(20, 60, 5)) << "the next full one follows a full one";
+  EXPECT_FALSE(shows_all_coarsely_first(60, 60, 0.005));
+}
+
 }  // namespace
 }  // namespace lumifield

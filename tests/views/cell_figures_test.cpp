@@ -26,14 +26,20 @@ TEST(CellFigures, AWideBasisIsTold) {
   model.reset(geometry, "lamp");
   model.put(entry_of({1, 0}, warned()), flat_image(geometry, 2));
   EXPECT_LT(figures.value(CellFigure::constant_distance, {1, 0}), 0.1);
-  EXPECT_FALSE(figures.summary({1, 0}).contains("basis is wide"));
+  EXPECT_EQ(figures.geometry_note({1, 0}), "");
   geometry.planes.separation_mm = 20;
   model.reset(geometry, "lamp");
   model.put(entry_of({1, 0}, warned()), flat_image(geometry, 2));
   EXPECT_NEAR(figures.value(CellFigure::constant_distance, {1, 0}),
               100 * largest_constant_distance_error(geometry, {1, 0}), 1e-12);
   EXPECT_GT(figures.value(CellFigure::constant_distance, {1, 0}), 8);
-  EXPECT_TRUE(figures.summary({1, 0}).contains("basis is wide"));
+  EXPECT_TRUE(figures.geometry_note({1, 0}).contains("of the slide and the planes alone; the measurement"));
+  EXPECT_TRUE(figures.summary({1, 0}).contains(figures.geometry_note({1, 0})));
+}
+
+TEST(CellFigures, TheOneThatIsNotOfTheMeasurementComesLast) {
+  EXPECT_EQ(all_cell_figures.back(), CellFigure::constant_distance);
+  EXPECT_TRUE(figure_meaning(CellFigure::constant_distance).startsWith("Not of the measurement"));
 }
 
 TEST(CellFigures, TheConstantDistanceErrorIsThatOfTheLuminaireThatIsThere) {

@@ -191,8 +191,8 @@ TEST_F(GridViewTest, StatesDifferWithoutColour) {
   for (int k = 1; k < 5; ++k) model.put(entry_of({0, k}, k == 4 ? warned() : Quality{}), flat_image(geometry, 1));
   model.set_measuring(CellIndex{0, 1});
   model.set_waiting({{0, 2}});
-  EXPECT_EQ(view.findChild<StateLegend*>()->counts(), (std::array<int, 5>{5, 0, 0, 0, 0}));
-  const std::array<int, 5> one_each{1, 1, 1, 1, 1};
+  EXPECT_EQ(view.findChild<StateLegend*>()->counts(), (std::array<int, 6>{5, 0, 0, 0, 0, 0}));
+  const std::array<int, 6> one_each{1, 1, 1, 1, 1, 0};  // none is damaged
   EXPECT_TRUE(QTest::qWaitFor([&] { return view.findChild<StateLegend*>()->counts() == one_each; }));
   // Each cell in black and white, against its own corner's lightness: a picture of its mark.
   const QImage shown = view.map().grab().toImage();
@@ -220,6 +220,8 @@ TEST_F(GridViewTest, AFigureColoursTheCellsAndItsScaleHasAUnit) {
   EXPECT_FALSE(bar->isVisible());
   choice->setFocus();
   QTest::keyClick(choice, Qt::Key_End);
+  EXPECT_EQ(choice->currentText(), "Constant-distance error");
+  QTest::keyClick(choice, Qt::Key_Up);
   EXPECT_EQ(choice->currentText(), "Total light");
   EXPECT_TRUE(bar->isVisible());
   EXPECT_EQ(view.map().scale(), (ValueScale{0, 2 * 48 * 0.25}));
@@ -290,6 +292,17 @@ TEST(StateLegend, MeasuredCellsHaveTheColoursOfTheMap) {
   EXPECT_FALSE(colours().contains(state));
   EXPECT_TRUE(has(0.5 / 16));
   EXPECT_TRUE(has(15.5 / 16));
+}
+
+TEST_F(GridViewTest, AnotherColouringMovesNothing) {
+  fill(9, 7);
+  const int least = view.minimumSizeHint().height();
+  const QRect map = view.map().geometry();
+  view.findChild<QComboBox*>()->setCurrentIndex(3);
+  QApplication::processEvents();
+  EXPECT_TRUE(view.findChild<ColourBar*>()->isVisible());
+  EXPECT_EQ(view.minimumSizeHint().height(), least);
+  EXPECT_EQ(view.map().geometry(), map);
 }
 
 }  // namespace

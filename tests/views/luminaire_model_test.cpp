@@ -7,6 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "app/session/beside.h"
+#include "app/views/cell_figures.h"
+#include "app/views/cell_view.h"
+#include "app/views/image_view.h"
 
 namespace lumifield {
 namespace {
@@ -86,6 +89,39 @@ TEST(LuminaireModel, LoadsAHalfDatasetAndSaysWhyItCannot) {
   model.load(path / "none");
   ASSERT_TRUE(failed.wait());
   EXPECT_EQ(model.measured(), 1);  // what was there stays
+}
+
+TEST(LuminaireModel, ACellThatCannotBeReadIsDamagedUntilItIsMeasured) {
+  QTemporaryDir folder;
+  const std::filesystem::path path = folder.filePath("lamp.lumi").toStdString();
+  Manifest manifest;
+  manifest.geometry = geometry();
+  auto writer = DatasetWriter::create(path, manifest);
+  ASSERT_TRUE(writer) << writer.error().message();
+  const auto entry = writer->add({1, 2}, image(2), {0, 0});
+  ASSERT_TRUE(entry);
+  ASSERT_TRUE(writer->add({0, 0}, image(1), {0, 0}));
+  std::filesystem::resize_file(path / entry->file, 100);
+
+  LuminaireModel model;
+  QSignalSpy loaded(&model, &LuminaireModel::loaded);
+  model.load(path);
+  ASSERT_TRUE(loaded.wait());
+  const QStringList notes = loaded[0][1].toStringList();
+  EXPECT_EQ(model.state({1, 2}), LuminaireModel::State::damaged);
+  EXPECT_EQ(model.state({0, 1}), LuminaireModel::State::unmeasured);
+  EXPECT_EQ(model.damaged(), 1);
+  EXPECT_TRUE(notes.contains(model.damage({1, 2}))) << qPrintable(model.damage({1, 2}));
+  const CellFigures figures(model);
+  EXPECT_TRUE(figures.summary({1, 2}).endsWith("damaged: " + model.damage({1, 2})));
+  CellView view(model);
+  view.show_cell({1, 2});
+  const auto* shown = view.findChild<ImageView*>();
+  EXPECT_TRUE(shown->placeholder().contains(": damaged: " + model.damage({1, 2})));
+
+  model.put(*entry, std::make_shared<CellImage>(image(2)));
+  EXPECT_EQ(model.state({1, 2}), LuminaireModel::State::measured);
+  EXPECT_EQ(model.damage({1, 2}), "");
 }
 
 TEST(LuminaireModel, ThatGoesAmidALoadLeavesNoThreadBehind) {

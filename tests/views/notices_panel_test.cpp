@@ -127,5 +127,22 @@ TEST(NoticesPanel, CopiesTheSelectedOrAllAndClears) {
   EXPECT_EQ(counts.last(), QVariantList({0, 0, 0}));
 }
 
+TEST(NoticesPanel, CountsWhatCameOutOfSight) {
+  NoticesPanel panel;
+  QSignalSpy unread(&panel, &NoticesPanel::unreadChanged);
+  panel.add({warning, "one"});
+  panel.add({warning, "one"});
+  EXPECT_EQ(unread.last(), QVariantList({2})) << "told again is new again";
+  panel.set_in_sight(true);
+  EXPECT_EQ(unread.last(), QVariantList({0}));
+  panel.add({fault, "two"});
+  EXPECT_EQ(unread.count(), 3) << "seen as it comes";
+  panel.set_in_sight(false);
+  panel.add({information, "three"});
+  EXPECT_EQ(unread.last(), QVariantList({1}));
+  panel.clear();
+  EXPECT_EQ(unread.last(), QVariantList({0}));
+}
+
 }  // namespace
 }  // namespace lumifield

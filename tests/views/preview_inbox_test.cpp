@@ -45,6 +45,24 @@ TEST(PreviewInbox, DeliversTheLatestFrameOnTheGuiThreadAndEverythingElse) {
   EXPECT_EQ(heard.last(), "1");
 }
 
+TEST(PreviewInbox, DeliversTheLatestProgressAndItsFrame) {
+  PreviewInbox inbox;
+  QList<double> shares;
+  int frames = 0;
+  QObject::connect(&inbox, &PreviewInbox::progress, [&](const PreviewProgress& told) { shares << told.share; });
+  QObject::connect(&inbox, &PreviewInbox::frame, [&] { ++frames; });
+  const LivePreview::Callbacks say = inbox.callbacks();
+  PreviewProgress progress;
+  for (int k = 0; k < 100; ++k) {
+    progress.share = 0.01 * k;
+    say.progress(progress);
+    say.frame(frame_of(k));
+  }
+  QApplication::processEvents();
+  EXPECT_EQ(shares, QList<double>({progress.share}));
+  EXPECT_EQ(frames, 1);
+}
+
 TEST(PreviewInbox, LosesNothingWhileBothThreadsWork) {
   PreviewInbox inbox;
   int last = 0, failures = 0;

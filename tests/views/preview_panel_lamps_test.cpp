@@ -42,6 +42,29 @@ TEST_F(PreviewPanelLampsTest, APictureSaysWhereItsLampsStand) {
       "[1, 0, 0, 1234.5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] 0.25"));
 }
 
+TEST_F(PreviewPanelLampsTest, HandlesCanBeHidden) {
+  Scene scene;
+  scene.camera = preview_camera();
+  scene.luminaires = {{}};
+  panel.set_scene(scene, "/scenes/corner/scene.json");
+  panel.set_luminaire(preview_luminaire());
+  panel.show_ready({});
+  PreviewFrame frame = preview_frame(40, 30);
+  frame.camera = preview_camera();
+  panel.show_frame(std::make_shared<const PreviewFrame>(frame));
+  const QImage with = panel.view().grab().toImage();
+  QAction* handles = nullptr;
+  for (QAction* action : panel.panel_actions())
+    if (action->text() == "Lamp &handles") handles = action;
+  ASSERT_NE(handles, nullptr);
+  handles->trigger();
+  EXPECT_NE(panel.view().grab().toImage(), with);
+  QTest::keyClick(&panel.view(), Qt::Key_L);
+  EXPECT_EQ(panel.lamps().chosen(), -1) << "none that cannot be seen";
+  handles->trigger();
+  EXPECT_EQ(panel.view().grab().toImage(), with);
+}
+
 TEST_F(PreviewPanelLampsTest, SavesTheSceneAsItIsArrangedWhereItsMeshIsFound) {
   QTemporaryDir folder;
   const std::filesystem::path place = folder.path().toStdString();

@@ -205,6 +205,28 @@ TEST_F(PreviewViewTest, SaysWhatIsMissingAndWhyThereIsNoPicture) {
   EXPECT_TRUE(view.picture_rect().isEmpty());
 }
 
+TEST_F(PreviewViewTest, SaysAtOnceWhatIsComputedAndThatCellsWait) {
+  show(preview_frame(40, 30));
+  view.set_cells({40, 0});
+  EXPECT_TRUE(view.accessibleDescription().endsWith("3 measured cells are not in the picture yet"));
+  const QImage before = view.grab().toImage();
+  view.set_chosen({{.method = Method::far_field}});
+  EXPECT_TRUE(view.accessibleDescription().contains("Computing far-field · shadows: tile. Shown: closed-form"));
+  EXPECT_NE(view.grab().toImage(), before) << "on the picture too";
+
+  // Refused, it is told once, and as long as it is chosen: frames by the former method come meanwhile.
+  PreviewProgress refused;
+  refused.asked.method = Method::far_field;
+  refused.refused = Error{"no memory", "far-field", "close other programs", {}};
+  view.show_progress(refused);
+  view.show_failure(*refused.refused);
+  show(preview_frame(40, 30));
+  EXPECT_EQ(view.accessibleDescription().count("no memory"), 1);
+  EXPECT_TRUE(view.accessibleDescription().contains("No picture by far-field"));
+  view.set_chosen({});
+  EXPECT_FALSE(view.accessibleDescription().contains("far-field"));
+}
+
 TEST_F(PreviewViewTest, FalseColourBringsItsScale) {
   PreviewFrame frame = preview_frame(400, 300, {0, 0, 0}, {0, 0, 0});
   frame.scale_top = 0.8;
