@@ -158,10 +158,11 @@ INLINE Ray ray_of(const Mixture* m, const LobeDraw* draw) {
 INLINE void add_lobe_samples(const Mixture* m, int points, __global const LobePoint* table, double* sum) {
   const Lobe* lobe = m->gloss ? &m->glossy : &m->dull;
   const uint first = first_lobe_point(m->g, points, m->gloss ? 2 : 1, (uint)m->id);
+  const double2 turn = lobe_turn(m->g, m->gloss ? 2 : 1, (uint)m->id);
   const SamplingReceiver at = m->view->at;
   for (int k = 0; k < m->count; ++k) {
     const uint i = first + (uint)k;
-    const LobeDraw draw = lobe_draw(lobe, table[i < (uint)points ? i : i % (uint)points]);
+    const LobeDraw draw = lobe_draw(lobe, turned(table[i < (uint)points ? i : i % (uint)points], turn));
     if (!(draw.direction.z < 0) || !(dot(lobe->n, draw.direction) > 0)) continue;
     const Ray ray = ray_of(m, &draw);
     if (!(ray.lobes > 0)) continue;

@@ -175,11 +175,14 @@ void Mis::add_light_samples(const Mixture& mix, std::uint32_t number, std::vecto
 void Mis::add_lobe_samples(const Mixture& mix, std::uint32_t number, std::vector<double>& values) const {
   if (mix.count == 0) return;
   const std::vector<LobePoint>& points = *mix.points;
-  const std::size_t first = first_point(settings_.sequence, points.size(), number, settings_.seed,
-                                        mix.gloss ? LobeDraws::glossy : LobeDraws::diffuse);
-  for (int k = 0; k < mix.count; ++k)
-    if (const auto ray = mix.ray_of(mix.lobe().sample(points[(first + static_cast<std::size_t>(k)) % points.size()])))
+  const LobeDraws kind = mix.gloss ? LobeDraws::glossy : LobeDraws::diffuse;
+  const std::size_t first = first_point(settings_.sequence, points.size(), number, settings_.seed, kind);
+  const LobeTurn turn = lobe_turn(number, settings_.seed, kind);
+  for (int k = 0; k < mix.count; ++k) {
+    const LobePoint& point = points[(first + static_cast<std::size_t>(k)) % points.size()];
+    if (const auto ray = mix.ray_of(mix.lobe().sample(turned(point, turn))))
       mix.over_lobe_sample(*ray, [&](std::size_t c, double value) { values[c] += value; });
+  }
 }
 
 Result<std::vector<double>> Mis::light(const Receiver& receiver, std::uint32_t number, const Look& look) const {
