@@ -1,6 +1,6 @@
 #pragma once
 
-#include "luminaire/geometry.h"
+#include "luminaire/light_field.h"
 
 namespace lumifield {
 

@@ -40,10 +40,11 @@ double quality_value(CellFigure figure, const Quality& quality) {
   return not_known;
 }
 
-QString list_text(const std::vector<double>& values) {
+/// "0.5, 2 ms".
+QString exposures_text(const std::vector<double>& exposures_s) {
   QStringList texts;
-  for (const double value : values) texts << value_text(value);
-  return texts.join(QStringLiteral(", "));
+  for (const double exposure_s : exposures_s) texts << value_text(1000 * exposure_s);
+  return texts.join(QStringLiteral(", ")) + " ms";
 }
 
 /// The same planes, grid and images' place and size.
@@ -225,7 +226,8 @@ QString CellFigures::summary(CellIndex cell) const {
   if (const QString note = geometry_note(cell); !note.isEmpty()) text += u'\n' + note;
   if (!known->entry.quality) return text;
   for (const auto& [pass, exposures_s] : known->entry.quality->exposures_s)
-    text += u'\n' + tr("Exposures of pass %1, adapted: %2 s").arg(QString::fromStdString(pass), list_text(exposures_s));
+    text +=
+        u'\n' + tr("Exposures of pass %1, adapted: %2").arg(QString::fromStdString(pass), exposures_text(exposures_s));
   for (const std::string& warning : known->entry.quality->warnings)
     text += u'\n' + tr("Warning: %1").arg(QString::fromStdString(warning));
   return text;

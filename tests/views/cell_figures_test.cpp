@@ -94,7 +94,7 @@ TEST(CellFigures, SpeakInTheUnitsShown) {
   EXPECT_TRUE(summary.contains("row 1, column 0")) << summary.toStdString();
   EXPECT_TRUE(summary.contains("(−7.5, 3.75) mm"));
   EXPECT_TRUE(summary.contains("saturated share 25 % above 0.1 %"));
-  EXPECT_TRUE(summary.contains("Exposures of pass positive, adapted: 0.0005, 0.002 s")) << summary.toStdString();
+  EXPECT_TRUE(summary.contains("Exposures of pass positive, adapted: 0.5, 2 ms")) << summary.toStdString();
   EXPECT_TRUE(figures.summary({0, 0}).endsWith("unmeasured"));
 }
 
