@@ -179,8 +179,10 @@ Result<Vec2> Scanner::stand_at(const Vec2& target_mm, const std::string& place) 
     if (end_.stop_requested()) return scan_stopped();
     {
       Stretch moving(clock_, timing_.move_s);
-      if (Status status = stage().move_to(target_mm, end_.get_token()); !status)
-        return blame(Culprit::stage, place, std::move(status).error());
+      for (const Vec2& stop : way_to(target_mm, bench_.stage.approach_mm, std::exchange(came_to_mm_, std::nullopt)))
+        if (Status status = stage().move_to(stop, end_.get_token()); !status)
+          return blame(Culprit::stage, place, std::move(status).error());
+      came_to_mm_ = target_mm;
     }
     enter(ScanState::settling);
     if (Status status = wait(plan_.settle_s + std::exchange(warm_up_left_s_, 0.0)); !status)
@@ -227,6 +229,7 @@ Result<RawImage> Scanner::expose_frame(double exposure_s) {
 
 Status Scanner::home() {
   enter(ScanState::homing);
+  came_to_mm_.reset();
   if (end_.stop_requested()) return scan_stopped();
   Stretch moving(clock_, timing_.move_s);
   if (Status status = stage().home(end_.get_token()); !status)

@@ -60,7 +60,8 @@ class ScanSink {
 
 /// Runs a ScanPlan on a camera and a stage, through the states of scan_state.h.
 ///
-/// It exposes only after the settle time has passed and the position read back lies within the bench's tolerance; a
+/// Every position is come to from one side, as StageSettings::approach_mm says (way_to), parking apart. It exposes only
+/// after the settle time has passed and the position read back lies within the bench's tolerance; a
 /// position off by more is moved to once more and then fails the scan. A bracket during which the position changed by
 /// more than the tolerance is discarded and taken once more. The reference cell comes first, every N cells and last,
 /// its drift is recorded and handed on; a dark set opens every block of cells, the first one after the warm-up. A cell
@@ -168,6 +169,7 @@ class Scanner {
   int cameras_lost_ = 0;
   std::optional<double> drift_seen_ = 0;  ///< by the operator; absent, the one read next
   Vec2 stands_mm_{0, 0};                  ///< read back last
+  std::optional<Vec2> came_to_mm_;        ///< the target of the last move, when nothing has come between
 };
 
 }  // namespace lumifield

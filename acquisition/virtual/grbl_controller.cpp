@@ -290,6 +290,9 @@ Vec2 GrblController::true_position_mm() const {
 void GrblController::lose_steps(double mm_per_move) {
   impl_->now([&] { impl_->axes.lost_mm_per_move = mm_per_move; });
 }
+void GrblController::set_backlash(double mm) {
+  impl_->now([&] { impl_->axes.backlash_mm = mm; });
+}
 void GrblController::stick(bool stuck) {
   impl_->now([&] { impl_->axes.stuck = stuck; });
 }

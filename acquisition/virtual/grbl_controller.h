@@ -42,6 +42,7 @@ class GrblController {
   Vec2 true_position_mm() const;
 
   void lose_steps(double mm_per_move);  ///< each later move falls short by this; MPos does not know
+  void set_backlash(double mm);         ///< of either axis; MPos does not know
   void stick(bool stuck);               ///< the axes stop and the state stays what it is
   void silence(bool silent);            ///< nothing is answered
   void trip_limit();                    ///< a limit switch closes now: ALARM:1

@@ -94,6 +94,7 @@ KnobPanel make_knobs(Devices& bench) {
   };
   KnobPanel knobs{
       {"lost_steps", fault("mm per move", [&](double value) { bench.stage->lose_steps(value); })},
+      {"backlash", fault("mm", [&](double value) { bench.stage->set_backlash(value); })},
       {"stuck_stage", fault("0|1", [&](double value) { bench.stage->stick(value != 0); })},
       {"silent_stage", fault("0|1", [&](double value) { bench.stage->silence(value != 0); })},
       {"stage_alarm", fault("1", [&](double value) { value != 0 ? bench.stage->trip_limit() : void(); })},

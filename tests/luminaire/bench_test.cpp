@@ -78,6 +78,7 @@ TEST(Bench, ReturnsTheSameAfterWritingAndReading) {
   bench.camera.gain = 1.0 / 3;
   bench.stage.path = "/dev/ttyACM0";
   bench.stage.home = false;
+  bench.stage.approach_mm = {0.5, -0.25};
   bench.stage_carries = StageCarries::lamp;
   bench.stage_to_luminaire.linear << 0, -1, 1, 0.001;
   bench.camera_model.vignetting = {-0.1, 0.02, 1e-300};
@@ -87,6 +88,7 @@ TEST(Bench, ReturnsTheSameAfterWritingAndReading) {
   ASSERT_TRUE(read) << read.error().message();
   EXPECT_EQ(to_json(*read), once);
   EXPECT_EQ(read->camera.gain, bench.camera.gain);
+  EXPECT_EQ(read->stage.approach_mm, Vec2(0.5, -0.25));
   EXPECT_EQ(read->stage_carries, StageCarries::lamp);
   EXPECT_EQ(read->stage_to_luminaire.linear, bench.stage_to_luminaire.linear);
   EXPECT_EQ(read->camera_model.vignetting, bench.camera_model.vignetting);
