@@ -33,6 +33,10 @@ struct StageSettings {
   /// drive's backlash always lies on the same side. More than the backlash, and away from the home switches, as homing
   /// itself comes to its zero. [0, 0] = straight to the target.
   Vec2 approach_mm{0, 0};
+  /// Look for the home switches before every dark set but the first and at the end: lost steps, which no reading shows,
+  /// are found, and what was measured since the last look is measured again. With `home` only. A GRBL controller needs
+  /// $20=0 and $21=0 for it, as the switches lie beyond the travel.
+  bool check_home = false;
 };
 
 /// Which of the two the stage moves.

@@ -44,8 +44,10 @@ void Axes::begin_front() {
   const Move& move = queue_.front();
   profile_ = Trapezoid((move.to_mm - move.from_mm).norm(), move.speed_mm_s, move.acceleration_mm_s2);
   travelled_mm_ = 0;
-  lost_per_mm_ = profile_.length_mm() > 0 ? lost_mm_per_move / profile_.length_mm() : 0;
+  lost_per_mm_ = profile_.length_mm() > 0 ? loss_mm(move) / profile_.length_mm() : 0;
 }
+
+double Axes::loss_mm(const Move& move) const { return (move.to_mm - move.from_mm).norm() > 2 ? lost_mm_per_move : 0; }
 
 void Axes::travel_to(double distance_mm) {
   const Move& move = queue_.front();
@@ -109,7 +111,7 @@ void Axes::kill() {
 Vec2 Axes::true_target_mm() const {
   Vec2 target = target_mm() + offset_mm_, at = claimed_mm_, play = play_mm_;
   for (const Move& move : queue_) {
-    target -= move.direction() * lost_mm_per_move;
+    target -= move.direction() * loss_mm(move);
     play = play_after(play, move.to_mm - at);
     at = move.to_mm;
   }

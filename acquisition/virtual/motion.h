@@ -70,14 +70,16 @@ class Axes {
   /// The carriage stands there, and that is what the steps now claim.
   void stands_at(const Vec2& true_mm, const Vec2& claimed_mm);
 
-  double lost_mm_per_move = 0;  ///< each move from now on falls short by this
-  bool stuck = false;           ///< time stands still for the motors
-  double backlash_mm = 0;       ///< of either axis
+  /// Each move from now on falls short by this, but those of up to 2 mm: they never get fast enough to lose steps.
+  double lost_mm_per_move = 0;
+  bool stuck = false;      ///< time stands still for the motors
+  double backlash_mm = 0;  ///< of either axis
 
  private:
   enum class Hold { none, stopping, held };
   void begin_front();
   void travel_to(double distance_mm);
+  double loss_mm(const Move& move) const;
   Vec2 play_after(const Vec2& play_mm, const Vec2& way_mm) const;
 
   std::deque<Move> queue_;

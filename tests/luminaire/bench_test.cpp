@@ -106,6 +106,8 @@ TEST(Bench, NamesThePlaceOfWhatIsWrong) {
               HasSubstr("camera.kind: \"usb\" is not known; make it one of \"aravis\""));
   EXPECT_THAT(refusal_with("/camera/packet_bytes", 1500.5), HasSubstr("camera.packet_bytes: is out of range"));
   EXPECT_THAT(refusal_with("/stage/home", 1), HasSubstr("stage.home: has the wrong type; make it true or false"));
+  EXPECT_THAT(refusal_with("/stage", Json({{"kind", "grbl"}, {"home", false}, {"check_home", true}})),
+              HasSubstr("stage.check_home: asks for switches that are not looked for at the start"));
   EXPECT_THAT(refusal_with("/stage_to_luminaire/linear", Json({{1, 2}, {2, 4}})), HasSubstr("cannot be inverted"));
   EXPECT_THAT(refusal_with("/limits_mm/low/0", 140), HasSubstr("limits_mm: has a low limit not below the high one"));
   EXPECT_THAT(refusal_with("/planes/separation_mm", 0), HasSubstr("planes.separation_mm: is out of range (0)"));
