@@ -27,7 +27,8 @@ double move_time_s(const StageSpeed& speed, const Vec2& from_mm, const Vec2& to_
 std::vector<Vec2> way_to(const Vec2& target_mm, const Vec2& approach_mm, const std::optional<Vec2>& from_mm);
 
 /// Predicted time of every step: moves with their approaches, settling, exposures, read-outs. The first step's move is
-/// left out, since it starts at an unknown place, and so is homing; the warm-up counts to the first step.
+/// left out, since it starts at an unknown place, and so is homing and looking for the home switches; the warm-up
+/// counts to the first step.
 std::vector<double> step_times_s(const std::vector<ScanStep>& steps, const Bench& bench, const Plan& plan,
                                  const StageSpeed& speed);
 
