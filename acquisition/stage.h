@@ -35,6 +35,11 @@ class Stage {
   /// Reads the position back from the controller.
   virtual Result<Vec2> position() = 0;
 
+  /// How far the carriage stands from where the controller believes since it was homed, told by the home switches: each
+  /// is gone to until it closes, to within 0.01 mm, and left again for the place where homing ends. Tells up to 2 mm.
+  /// Errors: those of move_to; a stage that cannot tell, or was not homed with StageSettings::check_home.
+  virtual Result<Vec2> slipped_mm(std::stop_token stop = {});
+
   /// Decelerates to a stand-still as fast as the controller can without losing its position. Thread-safe.
   virtual void halt() = 0;
 };

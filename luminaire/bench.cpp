@@ -37,6 +37,10 @@ StageSettings read_stage(const JsonValue& at) {
   s.rapid_mm_s = at["rapid_mm_s"].number_or(s.rapid_mm_s, not_negative);
   s.acceleration_mm_s2 = at["acceleration_mm_s2"].number_or(s.acceleration_mm_s2, not_negative);
   s.home = at["home"].flag_or(s.home);
+  s.approach_mm = at["approach_mm"].vec2_or(s.approach_mm, {-100, 100});
+  s.check_home = at["check_home"].flag_or(s.check_home);
+  if (s.check_home && !s.home)
+    at["check_home"].refuse("asks for switches that are not looked for at the start", "make \"home\" true too");
   return s;
 }
 
@@ -207,7 +211,9 @@ std::string to_json(const Bench& b) {
                    {"path", b.stage.path},
                    {"rapid_mm_s", b.stage.rapid_mm_s},
                    {"acceleration_mm_s2", b.stage.acceleration_mm_s2},
-                   {"home", b.stage.home}};
+                   {"home", b.stage.home},
+                   {"approach_mm", to_json_array(b.stage.approach_mm)},
+                   {"check_home", b.stage.check_home}};
   json["stage_carries"] = b.stage_carries == StageCarries::slide ? "slide" : "lamp";
   const Eigen::Matrix2d& a = b.stage_to_luminaire.linear;
   json["stage_to_luminaire"]["linear"] = Json::array({to_json_array(a.row(0)), to_json_array(a.row(1))});

@@ -30,6 +30,14 @@ struct StageSettings {
   double rapid_mm_s = 0;      ///< speed used for predictions; 0 = ask the controller
   double acceleration_mm_s2 = 0;
   bool home = true;  ///< home before the scan
+  /// Every position is come to from here: from target − approach_mm to the target, on both axes at once, so that the
+  /// drive's backlash always lies on the same side. More than the backlash, and away from the home switches, as homing
+  /// itself comes to its zero. [0, 0] = straight to the target.
+  Vec2 approach_mm{0, 0};
+  /// Look for the home switches before every dark set but the first and at the end: lost steps, which no reading shows,
+  /// are found, and what was measured since the last look is measured again. With `home` only. A GRBL controller needs
+  /// $20=0 and $21=0 for it, as the switches lie beyond the travel.
+  bool check_home = false;
 };
 
 /// Which of the two the stage moves.

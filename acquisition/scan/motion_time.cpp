@@ -35,6 +35,16 @@ double move_time_s(const StageSpeed& speed, const Vec2& from_mm, const Vec2& to_
   return way < v * v / a ? 2 * std::sqrt(way / a) : way / v + v / a;
 }
 
+std::vector<Vec2> way_to(const Vec2& target_mm, const Vec2& approach_mm, const std::optional<Vec2>& from_mm) {
+  bool agrees = true;
+  for (int axis : {0, 1}) {
+    const double a = approach_mm[axis];
+    if (a != 0) agrees = agrees && from_mm && (target_mm[axis] - (*from_mm)[axis]) / a >= 1;
+  }
+  if (agrees) return {target_mm};
+  return {target_mm - approach_mm, target_mm};
+}
+
 std::vector<double> step_times_s(const std::vector<ScanStep>& steps, const Bench& bench, const Plan& plan,
                                  const StageSpeed& speed) {
   const auto standing_s = [&](const std::vector<double>& exposures_s) {
@@ -49,8 +59,11 @@ std::vector<double> step_times_s(const std::vector<ScanStep>& steps, const Bench
     double time = times.empty() ? plan.warm_up_s : 0;
     for (const Vec2& target : std::visit([](const auto& s) { return std::vector<Vec2>(targets_of(s)); }, step)) {
       const bool visit = std::holds_alternative<VisitStep>(step), dark = std::holds_alternative<DarkStep>(step);
-      time += (visit ? plan.settle_s : dark ? dark_s : lit_s) + (at ? move_time_s(speed, *at, target) : 0);
-      at = target;
+      time += visit ? plan.settle_s : dark ? dark_s : lit_s;
+      for (const Vec2& stop : way_to(target, bench.stage.approach_mm, at)) {
+        time += at ? move_time_s(speed, *at, stop) : 0;
+        at = stop;
+      }
     }
     times.push_back(time);
   }

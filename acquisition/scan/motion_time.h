@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "acquisition/scan/scan_plan.h"
@@ -20,9 +21,15 @@ StageSpeed stage_speed(const StageSettings& settings, const StageSpeed& reported
 /// co-ordinated, and it limits).
 double move_time_s(const StageSpeed& speed, const Vec2& from_mm, const Vec2& to_mm);
 
-/// Predicted time of every step: moves, settling, exposures, read-outs. Cells count with the plan's exposures, since
-/// which of them need others is not known before; dark sets with all that the plan allows. The first step's move is
-/// left out, since it starts at an unknown place, and so is homing; the warm-up counts to the first step.
+/// Where the stage is sent to come to a target from one side (StageSettings::approach_mm): the target alone when the
+/// way from `from_mm` already goes at least that far in that direction along each such axis, else target − approach_mm
+/// first. Absent `from_mm`: unknown.
+std::vector<Vec2> way_to(const Vec2& target_mm, const Vec2& approach_mm, const std::optional<Vec2>& from_mm);
+
+/// Predicted time of every step: moves with their approaches, settling, exposures, read-outs. Cells count with the
+/// plan's exposures, since which of them need others is not known before; dark sets with all that the plan allows. The
+/// first step's move is left out, since it starts at an unknown place, and so is homing and looking for the home
+/// switches; the warm-up counts to the first step.
 std::vector<double> step_times_s(const std::vector<ScanStep>& steps, const Bench& bench, const Plan& plan,
                                  const StageSpeed& speed);
 

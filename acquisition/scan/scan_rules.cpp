@@ -199,6 +199,8 @@ Status check_limits(const Bench& bench, const std::vector<ScanStep>& steps) {
   Box box;
   for (const ScanStep& step : steps) std::visit([&](const auto& s) { extend(box, s); }, step);
   if (box.isEmpty()) return {};
+  const bool approaches = !bench.stage.approach_mm.isZero(0);
+  box.extend(Box(box.min() - bench.stage.approach_mm, box.max() - bench.stage.approach_mm));
 
   std::string beyond;
   for (int axis : {0, 1}) {
@@ -211,9 +213,11 @@ Status check_limits(const Bench& bench, const std::vector<ScanStep>& steps) {
     if (above > rounding) beyond += ", " + say(above) + " mm above the high limit";
   }
   if (beyond.empty()) return {};
+  if (approaches) beyond += "; the approach by " + say(bench.stage.approach_mm) + " mm is counted";
   return fail("the scan needs " + beyond, "bench: limits_mm",
               "if the stage can travel there, set the limits to at least " + say(Vec2(box.min())) + " … " +
-                  say(Vec2(box.max())) + " mm; else scan a smaller grid or move its centre");
+                  say(Vec2(box.max())) + " mm; else scan a smaller grid" +
+                  (approaches ? ", approach from the other side" : "") + " or move its centre");
 }
 
 }  // namespace lumifield

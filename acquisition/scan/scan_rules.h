@@ -26,7 +26,7 @@ GridSize needed_grid(const Bench& bench, const Plan& plan);
 /// Everything but the stage's limits.
 Status check_rules(const Bench& bench, const Plan& plan);
 
-/// Every target of the steps against bench.limits.
+/// Every target of the steps, and where it is approached from, against bench.limits.
 Status check_limits(const Bench& bench, const std::vector<ScanStep>& steps);
 
 }  // namespace lumifield

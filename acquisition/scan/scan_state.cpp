@@ -42,7 +42,7 @@ bool can_follow(ScanState from, ScanState to) {
     case homing:
       return to == moving || to == paused;
     case moving:
-      return to == settling || to == paused || to == parking;
+      return to == settling || to == moving || to == delivering || to == homing || to == paused || to == parking;
     case settling:
       return to == moving || to == exposing || to == paused || to == parking;
     case exposing:

@@ -11,6 +11,8 @@ namespace lumifield {
 ///     exposing → moving                   next pass of the cell, or a bracket taken again
 ///     idle → done                         nothing to scan
 ///     idle, homing, delivering → paused   between two steps, on the operator's word; → moving or parking after it
+///     exposing, delivering → moving       the home switches are looked for; → homing when steps were lost, else goes
+///                                         on: → moving, delivering, paused or parking
 ///     exposing → reconnecting → moving    the camera was gone and is back: the step is taken again
 ///     any of a step → paused              a trouble that the operator has to help with; → homing, reconnecting or
 ///                                         moving after it

@@ -38,7 +38,8 @@ Status Scanner::run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop,
   progress_.cells_done = progress_.cells_before = steps.cells_before;
   progress_.cells_total = steps.cells_before + steps.cells;
   const StageSpeed reported{stage().info().rapid_mm_s, stage().info().acceleration_mm_s2};
-  time_left_ = TimeLeft(step_times_s(steps.steps, bench_, plan_, stage_speed(bench_.stage, reported)));
+  step_times_s_ = step_times_s(steps.steps, bench_, plan_, stage_speed(bench_.stage, reported));
+  time_left_ = TimeLeft(step_times_s_);
   return end(scan(steps));
 }
 
@@ -47,14 +48,25 @@ Status Scanner::scan(const ScanPlan& steps) {
   if (bench_.stage.home)
     if (Status status = persist([this] { return home(); }); !status) return status;
   first_step_s_ = clock_.now_s();
-  for (const ScanStep& step : steps.steps) {
+  go_back_ = false;
+  for (std::size_t next = 0;;) {
+    if (go_back_) next = go_back(steps.steps, next);
     if (Status status = between_steps(); !status) return status;
-    const auto taken = [&] { return std::visit([this](const auto& s) { return take(s); }, step); };
+    if (!go_back_ && home_check_due(steps.steps, next)) {
+      if (Status status = persist([this] { return check_home(); }); !status) return status;
+      if (!go_back_) {
+        checked_ = next;
+        unchecked_.clear();
+      }
+    }
+    if (go_back_) continue;
+    if (next == steps.steps.size()) return park();
+    const auto taken = [&] { return std::visit([this](const auto& s) { return take(s); }, steps.steps[next]); };
     if (Status status = persist(taken); !status) return status;
+    if (go_back_) continue;
     time_left_.step_done(clock_.now_s() - first_step_s_);
+    ++next;
   }
-  if (Status status = between_steps(); !status) return status;
-  return park();
 }
 
 /// What the operator asks for.
@@ -63,7 +75,7 @@ Status Scanner::between_steps() {
   if (control_->paused())
     if (Status status = pause(); !status) return status;
   // Until the first reading of the reference cell there is no dark set to subtract and no drift to record.
-  while (reference_read_) {
+  while (reference_read_ && !dark_due_ && !go_back_) {
     const std::optional<CellIndex> cell = control_->next_retake();
     if (!cell) break;
     if (Status status = retake(*cell); !status) return status;
@@ -95,6 +107,7 @@ Status Scanner::retake(CellIndex cell) {
   const int cells_done = progress_.cells_done;
   if (Status status = persist([&] { return take(step); }); !status) return status;
   progress_.cells_done = cells_done;
+  if (go_back_) control_->retake({&cell, 1});
   time_left_.step_done(clock_.now_s() - first_step_s_);
   return {};
 }
@@ -110,6 +123,7 @@ Status Scanner::take(const DarkStep& step) {
   if (!dark) return tl::unexpected(std::move(dark).error());
   enter(ScanState::delivering);
   dark_ = std::make_shared<const DarkSet>(DarkSet{std::move(dark->bracket), step.block});
+  dark_due_ = false;
   return {};
 }
 
@@ -118,6 +132,9 @@ Status Scanner::take(const ReferenceStep& step) {
   work_on(place);
   Result<Standing> lit = bracket_at(step.stage_mm, place, Exposures::plan);
   if (!lit) return tl::unexpected(std::move(lit).error());
+  // All drift refers to the first reading.
+  if (!reference_read_)
+    if (Status held = check_home(); !held) return held;
   const std::span<const RawImage> dark = std::span(dark_->bracket).subspan(ladder_.plan_begin, lit->bracket.size());
   Result<ReferenceReading> reading = drift_.read(lit->bracket, dark, bench_.sensor.saturation_dn, step.cells_done);
   if (!reading) return blame(Culprit::lamp, place, std::move(reading).error());
@@ -150,6 +167,7 @@ Status Scanner::take(const CellStep& step) {
   Stretch waiting(clock_, timing_.waiting_s);
   sink_->cell(std::move(raw));
   ++progress_.cells_done;
+  if (bench_.stage.check_home) unchecked_.push_back(step.cell);
   return {};
 }
 
@@ -188,8 +206,10 @@ Result<Vec2> Scanner::stand_at(const Vec2& target_mm, const std::string& place) 
     if (end_.stop_requested()) return scan_stopped();
     {
       Stretch moving(clock_, timing_.move_s);
-      if (Status status = stage().move_to(target_mm, end_.get_token()); !status)
-        return blame(Culprit::stage, place, std::move(status).error());
+      for (const Vec2& stop : way_to(target_mm, bench_.stage.approach_mm, std::exchange(came_to_mm_, std::nullopt)))
+        if (Status status = stage().move_to(stop, end_.get_token()); !status)
+          return blame(Culprit::stage, place, std::move(status).error());
+      came_to_mm_ = target_mm;
     }
     enter(ScanState::settling);
     if (Status status = wait(plan_.settle_s + std::exchange(warm_up_left_s_, 0.0)); !status)
@@ -209,15 +229,6 @@ Result<Vec2> Scanner::stand_at(const Vec2& target_mm, const std::string& place) 
                 "check for a blocked axis, lost steps or a tolerance below the stage's resolution, then resume"});
 }
 
-Status Scanner::home() {
-  enter(ScanState::homing);
-  if (end_.stop_requested()) return scan_stopped();
-  Stretch moving(clock_, timing_.move_s);
-  if (Status status = stage().home(end_.get_token()); !status)
-    return blame(Culprit::stage, "homing", std::move(status).error());
-  return {};
-}
-
 Status Scanner::park() {
   enter(ScanState::parking);
   Stretch moving(clock_, timing_.move_s);
@@ -228,6 +239,7 @@ Status Scanner::park() {
 
 Status Scanner::end(Status status) {
   if (!status) stage().halt();
+  if (!status) tell_unchecked();
   if (!status && status.error().kind == ErrorKind::stopped && stop_.stop_requested()) {
     status = scan_stopped();
     enter(ScanState::stopped);

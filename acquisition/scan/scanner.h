@@ -61,7 +61,8 @@ class ScanSink {
 
 /// Runs a ScanPlan on a camera and a stage, through the states of scan_state.h.
 ///
-/// It exposes only after the settle time has passed and the position read back lies within the bench's tolerance; a
+/// Every position is come to from one side, as StageSettings::approach_mm says (way_to), parking apart. It exposes only
+/// after the settle time has passed and the position read back lies within the bench's tolerance; a
 /// position off by more is moved to once more and then fails the scan. A bracket during which the position changed by
 /// more than the tolerance is discarded and taken once more. The reference cell comes first, every N cells and last,
 /// its drift is recorded and handed on; a dark set opens every block of cells, the first one after the warm-up. A cell
@@ -79,6 +80,17 @@ class ScanSink {
 /// the scan with the stage halted, if somebody attends (ScanControl): on their word the stage is opened and homed
 /// again, the reference cell read, and the step begun anew. If nobody does, the scan ends with the error, and parks; of
 /// drift its `kind` is waiting. Drift that the operator has seen is what further drift is measured from.
+///
+/// Lost steps. Before an exposure, what the controller knows can be seen: that it does not answer, is locked, did not
+/// arrive, or reads another position; then nothing is exposed. Steps that the motors lost change no reading, and no
+/// exposure can be kept from a place that is wrong by them. With StageSettings::check_home they are found afterwards:
+/// the home switches are looked for before the first reading of the reference cell is handed on and before drift is
+/// believed, before every dark set but the first, and at the end. A stage that slipped by more than the tolerance is
+/// homed, on the operator's word if somebody attends, else three times in a row by itself; what was exposed since the
+/// last look that found nothing, dark set, reference and cells, is taken again. So it is when a trouble made the stage
+/// be homed, which hides whether it had slipped. A slip that is gone at the next look, and one by less than the
+/// tolerance, both to within 0.01 mm, is not found. Cells that no look came after, when the scan ends early, are told
+/// as a notice.
 ///
 /// Thread-bound to the bench thread; camera, stage, bench, plan and clock outlive it.
 class Scanner {
@@ -119,7 +131,7 @@ class Scanner {
     double position_error_mm;
   };
 
-  enum class Culprit { none, camera, stage, lamp };
+  enum class Culprit { none, camera, stage, slip, lamp };  ///< slip: of a stage that answers
   enum class Exposures { plan, ladder, adapted };
 
   Camera& camera() { return recovery_ ? recovery_->camera() : camera_; }
@@ -132,6 +144,11 @@ class Scanner {
   Status reconnect(const Error& error);
   Status hold(Error error, Culprit culprit);
   Status bring_back(Culprit culprit, const Error& error);
+  bool home_check_due(const std::vector<ScanStep>& steps, std::size_t next) const;
+  Status check_home();
+  Status home_again();
+  std::size_t go_back(const std::vector<ScanStep>& steps, std::size_t next);
+  void tell_unchecked();
   Status read_reference();
   Status check_drift(const ReferenceReading& reading, const std::string& place);
   Status take(const DarkStep& step);
@@ -167,6 +184,7 @@ class Scanner {
   std::stop_token stop_;  ///< the operator's
   std::stop_source end_;  ///< asked to stop by either
   ScanProgress progress_;
+  std::vector<double> step_times_s_;  ///< predicted
   TimeLeft time_left_;
   ExposureLadder ladder_;
   double begin_s_ = 0, first_step_s_ = 0, warm_up_left_s_ = 0;
@@ -178,8 +196,14 @@ class Scanner {
   Culprit culprit_ = Culprit::none;  ///< of the error on its way
   bool reference_due_ = false;       ///< before the next step
   int cameras_lost_ = 0;
+  bool dark_due_ = false;                 ///< before the reference cell is read
+  bool go_back_ = false;                  ///< to the step after the last good check
+  std::size_t checked_ = 0;               ///< that step
+  std::vector<CellIndex> unchecked_;      ///< handed on since then
+  int homings_in_a_row_ = 0;              ///< without a good check between
   std::optional<double> drift_seen_ = 0;  ///< by the operator; absent, the one read next
   Vec2 stands_mm_{0, 0};                  ///< read back last
+  std::optional<Vec2> came_to_mm_;        ///< the target of the last move, when nothing has come between
 };
 
 }  // namespace lumifield

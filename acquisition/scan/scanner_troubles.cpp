@@ -15,6 +15,8 @@ namespace {
 constexpr double patience_s = 60, between_tries_s = 0.2;
 /// Of one step: a camera that fails at once each time is not helped by opening it again.
 constexpr int most_reconnections = 5;
+/// A stage that loses steps each time is not helped by homing it.
+constexpr int most_homings = 3;
 
 }  // namespace
 
@@ -23,13 +25,14 @@ tl::unexpected<Error> Scanner::blame(Culprit culprit, std::string_view place, Er
   return fail_in(place, std::move(error));
 }
 
-/// Does it, again after every trouble that could be helped.
+/// Does it, again after every trouble that could be helped, unless the scan has to go back first.
 Status Scanner::persist(const std::function<Status()>& action) {
   for (int reconnections = 0;;) {
-    Status status = reference_due_ ? read_reference() : Status{};
+    Status status = reference_due_ && !dark_due_ ? read_reference() : Status{};
     if (status) status = action();
     if (status) return status;
     if (Status helped = help(std::move(status).error(), reconnections); !helped) return helped;
+    if (go_back_) return {};
   }
 }
 
@@ -42,7 +45,14 @@ Status Scanner::help(Error error, int& reconnections) {
     if (back || back.error().kind == ErrorKind::stopped) return back;
     error = std::move(back).error();
   }
-  if (culprit == Culprit::none || !control_ || !control_->attended()) return tl::unexpected(std::move(error));
+  const bool attended = control_ && control_->attended();
+  if (culprit == Culprit::slip && !attended && homings_in_a_row_ < most_homings) {
+    ++homings_in_a_row_;
+    sink_->notice(error.where + ": " + error.what +
+                  "; it is homed, and what was exposed since the last check is taken again");
+    return home_again();
+  }
+  if (culprit == Culprit::none || !attended) return tl::unexpected(std::move(error));
   reconnections = 0;
   return hold(std::move(error), culprit);
 }
@@ -93,10 +103,11 @@ Status Scanner::hold(Error error, Culprit culprit) {
 
 Status Scanner::bring_back(Culprit culprit, const Error& error) {
   if (culprit == Culprit::lamp) drift_seen_ = drift_.drift();
+  if (culprit == Culprit::slip) return home_again();
   if (!recovery_ || culprit == Culprit::lamp) return {};
   if (culprit == Culprit::camera) return reconnect(error);
   if (Status opened = recovery_->reopen_stage(); !opened) return opened;
-  return bench_.stage.home ? home() : Status{};
+  return bench_.stage.home ? home_again() : Status{};
 }
 
 Status Scanner::read_reference() {
@@ -109,6 +120,8 @@ Status Scanner::check_drift(const ReferenceReading& reading, const std::string& 
   if (!drift_seen_) drift_seen_ = reading.drift;
   const double further = reading.drift - *drift_seen_;
   if (std::abs(further) <= plan_.reference.limit) return {};
+  // A cell that stands elsewhere shows another light.
+  if (Status held = check_home(); !held) return held;
   return blame(Culprit::lamp, place,
                {"the light has drifted by " + say(std::round(1e4 * reading.drift) / 100) + " %, the plan allows " +
                     say(100 * plan_.reference.limit) + " %",

@@ -66,6 +66,8 @@ std::optional<GrblStatus> parse_grbl_status(std::string_view line) {
   while (!rest.empty()) {
     std::string_view values = take_until(rest, '|');
     const std::string_view key = take_until(values, ':');
+    if (key == "Pn")
+      status.x_closed = values.find('X') != values.npos, status.y_closed = values.find('Y') != values.npos;
     if (key != "MPos" && key != "WPos" && key != "WCO") continue;
     const std::optional<Vec2> xy = to_xy(values);
     if (!xy) return std::nullopt;

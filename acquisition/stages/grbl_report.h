@@ -20,8 +20,9 @@ struct GrblStatus {
   GrblState state = GrblState::idle;
   int sub_state = 0;  ///< Hold: 0 stands still, 1 still decelerating
   Vec2 position{0, 0};
-  bool machine_position = true;     ///< MPos, else WPos = MPos − WCO
-  std::optional<Vec2> work_offset;  ///< WCO, sent with every 10th to 30th report
+  bool machine_position = true;             ///< MPos, else WPos = MPos − WCO
+  bool x_closed = false, y_closed = false;  ///< Pn: the axes' limit switches
+  std::optional<Vec2> work_offset;          ///< WCO, sent with every 10th to 30th report
 };
 
 std::optional<GrblStatus> parse_grbl_status(std::string_view line);

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <thread>
 
 #include "acquisition/stages/grbl_dialogue.h"
@@ -16,9 +17,11 @@ using std::chrono::milliseconds;
 using Seconds = std::chrono::duration<double>;
 
 constexpr milliseconds poll_period(5);
-constexpr milliseconds start_time(300);  // an accepted move has started by then, or never will
-constexpr double farthest_mm = 1e5;      // keeps the command within GRBL's line of 80 characters
-constexpr double feed_per_s = 60;        // GRBL's rates are mm/min
+constexpr milliseconds start_time(300);                // an accepted move has started by then, or never will
+constexpr double farthest_mm = 1e5;                    // keeps the command within GRBL's line of 80 characters
+constexpr double feed_per_s = 60;                      // GRBL's rates are mm/min
+constexpr double look_mm = 0.1, close_look_mm = 0.01;  // steps in which a home switch is gone to
+constexpr double farthest_slip_mm = 2;                 // is looked for beyond a home switch
 
 tl::unexpected<Error> stopped(const std::string& path) {
   return tl::unexpected<Error>({"stopped by the operator", path, {}, ErrorKind::stopped});
@@ -42,21 +45,28 @@ double trapezoid_s(const Vec2& delta, const Vec2& speed, const Vec2& acceleratio
 
 class GrblStage final : public Stage {
  public:
-  explicit GrblStage(std::unique_ptr<GrblDialogue> dialogue);
+  GrblStage(std::unique_ptr<GrblDialogue> dialogue, bool check_home);
 
   const StageInfo& info() const override { return info_; }
   Status home(std::stop_token stop) override;
   Status move_to(const Vec2& target_mm, std::stop_token stop) override;
   Result<Vec2> position() override;
+  Result<Vec2> slipped_mm(std::stop_token stop) override;
   void halt() override { dialogue_->send_now(homing_ ? GrblDialogue::reset_byte : GrblDialogue::hold); }
 
   /// Standing still and not locked. Ends a feed hold that came before.
   Result<GrblStatus> ready();
+  /// That nothing stands in the way of looking for the switches.
+  Status can_check_home() const;
 
  private:
   Vec2 setting_xy(int number) const { return {dialogue_->setting(number), dialogue_->setting(number + 1)}; }
   Seconds homing_time() const;
   Status await_homed(std::stop_token stop);
+  Status find_switches(std::stop_token stop);
+  Result<Vec2> find_closing(std::stop_token stop);
+  Result<Vec2> find_closing(const Vec2& from_mm, double step_mm, std::stop_token stop);
+  double reach_mm() const { return dialogue_->setting_or(27, 1) + farthest_slip_mm; }
   Status await_arrival(const Vec2& target_mm, Seconds predicted, std::stop_token stop);
   Status stop_moving(Error why);
   Error not_moving_error(const GrblStatus& status) const;
@@ -64,14 +74,19 @@ class GrblStage final : public Stage {
   std::unique_ptr<GrblDialogue> dialogue_;
   StageInfo info_;
   Vec2 speed_mm_s_, acceleration_mm_s2_, resolution_mm_;
+  const bool check_home_;
+  Vec2 home_mm_{0, 0};              ///< where homing ends
+  Vec2 to_switch_{1, 1};            ///< per axis, the direction in which homing seeks
+  std::optional<Vec2> closing_mm_;  ///< where the switches close; unknown since homing failed
   std::atomic<bool> homing_ = false;
 };
 
-GrblStage::GrblStage(std::unique_ptr<GrblDialogue> dialogue)
+GrblStage::GrblStage(std::unique_ptr<GrblDialogue> dialogue, bool check_home)
     : dialogue_(std::move(dialogue)),
       speed_mm_s_(setting_xy(110) / feed_per_s),
       acceleration_mm_s2_(setting_xy(120)),
-      resolution_mm_(setting_xy(100).cwiseInverse()) {
+      resolution_mm_(setting_xy(100).cwiseInverse()),
+      check_home_(check_home) {
   info_.firmware = dialogue_->firmware();
   info_.path = dialogue_->path();
   info_.rapid_mm_s = speed_mm_s_.minCoeff();
@@ -80,6 +95,11 @@ GrblStage::GrblStage(std::unique_ptr<GrblDialogue> dialogue)
 
   // Reports are rounded to 0.001 mm, or 0.0001 inch.
   resolution_mm_.array() += dialogue_->setting_or(13, 0) != 0 ? 0.0013 : 0.0006;
+
+  // A bit of $23 turns an axis' homing to its low end.
+  const int turned = static_cast<int>(dialogue_->setting_or(23, 0));
+  for (int axis : {0, 1})
+    if ((turned & (1 << axis)) != 0) to_switch_[axis] = -1;
 }
 
 Error GrblStage::not_moving_error(const GrblStatus& status) const {
@@ -116,6 +136,7 @@ Seconds GrblStage::homing_time() const {
 
 Status GrblStage::home(std::stop_token stop) {
   if (stop.stop_requested()) return stopped(info_.path);
+  closing_mm_.reset();
   if (Status clear = dialogue_->reset(); !clear) return clear;
   homing_ = true;
   Status homed = dialogue_->send("$H");
@@ -124,7 +145,8 @@ Status GrblStage::home(std::stop_token stop) {
   if (!homed) return homed;
   const Result<GrblStatus> status = ready();
   if (!status) return tl::unexpected(status.error());
-  return {};
+  home_mm_ = status->position;
+  return check_home_ ? find_switches(stop) : Status{};
 }
 
 Status GrblStage::await_homed(std::stop_token stop) {
@@ -186,6 +208,71 @@ Status GrblStage::await_arrival(const Vec2& target_mm, Seconds predicted, std::s
   return stop_moving({text, info_.path, "check speed overrides and $110, $111, $120, $121"});
 }
 
+Status GrblStage::find_switches(std::stop_token stop) {
+  const Result<Vec2> closing = find_closing(stop);
+  if (!closing) return tl::unexpected(closing.error());
+  for (int axis : {0, 1}) {
+    const double way = std::abs((*closing)[axis] - home_mm_[axis]);
+    const std::string name = std::string("the home switch of axis ") + "xy"[axis];
+    if (way < close_look_mm / 2) return fail(name + " is closed where homing ends", info_.path, "raise $27");
+    if (way >= reach_mm())
+      return fail(name + " is not seen to close by its reports", info_.path,
+                  "set \"check_home\" to false in the bench file, or check the switch");
+  }
+  closing_mm_ = *closing;
+  return {};
+}
+
+/// Roughly, then closely from a step before, always from where homing ends so that backlash lies on the same side.
+Result<Vec2> GrblStage::find_closing(std::stop_token stop) {
+  const Result<Vec2> rough = find_closing(home_mm_, look_mm, stop);
+  if (!rough) return rough;
+  if (Status left = move_to(home_mm_, stop); !left) return tl::unexpected(left.error());
+  const Vec2 way = ((*rough - home_mm_).cwiseProduct(to_switch_) - Vec2::Constant(look_mm)).cwiseMax(Vec2::Zero());
+  const double step_mm = std::max(close_look_mm, 2 * resolution_mm_.maxCoeff());
+  const Result<Vec2> closing = find_closing(home_mm_ + way.cwiseProduct(to_switch_), step_mm, stop);
+  if (!closing) return closing;
+  if (Status left = move_to(home_mm_, stop); !left) return tl::unexpected(left.error());
+  return closing;
+}
+
+/// Both axes step by step towards their switches, each until it closes or nothing is left of the reach.
+Result<Vec2> GrblStage::find_closing(const Vec2& from_mm, double step_mm, std::stop_token stop) {
+  Vec2 at = from_mm;
+  bool found[2] = {};
+  while (true) {
+    if (Status moved = move_to(at, stop); !moved) return tl::unexpected(moved.error());
+    const Result<GrblStatus> status = dialogue_->status();
+    if (!status) return tl::unexpected(status.error());
+    const bool closed[2] = {status->x_closed, status->y_closed};
+    for (int axis : {0, 1}) {
+      found[axis] = found[axis] || closed[axis] || std::abs(at[axis] - home_mm_[axis]) >= reach_mm();
+      if (!found[axis]) at[axis] += to_switch_[axis] * step_mm;
+    }
+    if (found[0] && found[1]) return at;
+  }
+}
+
+Result<Vec2> GrblStage::slipped_mm(std::stop_token stop) {
+  if (!closing_mm_)
+    return fail("where its home switches close is not known", info_.path,
+                "home it with \"check_home\" in the bench file");
+  const Result<Vec2> closing = find_closing(stop);
+  if (!closing) return closing;
+  return Vec2(*closing_mm_ - *closing);
+}
+
+Status GrblStage::can_check_home() const {
+  constexpr std::pair<int, std::string_view> in_the_way[] = {{20, "soft limits, which end before the home switches"},
+                                                             {21, "hard limits, which make a closed switch an alarm"}};
+  for (const auto& [number, what] : in_the_way)
+    if (dialogue_->setting_or(number, 0) != 0)
+      return fail("the home switches cannot be looked for: the controller has " + std::string(what), info_.path,
+                  "set $" + std::to_string(number) +
+                      "=0 (limits_mm still keeps every target inside), or \"check_home\" to false in the bench file");
+  return {};
+}
+
 Status GrblStage::stop_moving(Error why) {
   if (Status at_rest = dialogue_->stop_and_reset(); !at_rest)
     return fail(why.what + "; and then: " + at_rest.error().what, info_.path, at_rest.error().remedy);
@@ -204,7 +291,9 @@ Result<Vec2> GrblStage::position() {
 Result<std::unique_ptr<Stage>> open_grbl_stage(const StageSettings& settings) {
   Result<std::unique_ptr<GrblDialogue>> dialogue = GrblDialogue::open(settings.path);
   if (!dialogue) return tl::unexpected(dialogue.error());
-  auto stage = std::make_unique<GrblStage>(std::move(*dialogue));
+  auto stage = std::make_unique<GrblStage>(std::move(*dialogue), settings.check_home);
+  if (settings.check_home)
+    if (Status possible = stage->can_check_home(); !possible) return tl::unexpected(possible.error());
   if (settings.home) return stage;
 
   // Homing would clear an alarm; without it the stage has to be ready now.

@@ -20,6 +20,11 @@ namespace lumifield {
 /// halt() during homing has to reset the controller: a feed hold is ignored there, and no position is lost that was
 /// known.
 ///
+/// Lost steps. The controller reports the position that it commanded. With StageSettings::check_home, homing ends with
+/// a look for the readings at which the home switches close ($23 says where they are, Pn: of a report that they have);
+/// slipped_mm looks again. Both ask for $20=0 and $21=0, which opening checks: the switches lie beyond the soft limits,
+/// and with hard limits a switch that closes is an alarm.
+///
 /// Errors beyond those of Stage: controller restarted, put on hold or door opened by hand, unreadable answers, hang-up.
 Result<std::unique_ptr<Stage>> open_grbl_stage(const StageSettings& settings);
 

@@ -50,6 +50,11 @@ Result<StageKind> kind_of(const StageSettings& settings) {
 
 }  // namespace
 
+Result<Vec2> Stage::slipped_mm(std::stop_token) {
+  return fail("has no home switches that can be looked for", info().path,
+              "set \"check_home\" to false in the bench file");
+}
+
 Result<std::unique_ptr<Stage>> open_stage(const StageSettings& settings) {
   const Result<StageKind> kind = kind_of(settings);
   if (!kind) return tl::unexpected(kind.error());

@@ -20,6 +20,7 @@ using Clock = std::chrono::steady_clock;
 constexpr char reset_byte = 0x18;
 constexpr std::size_t receive_bytes = 127, most_line_bytes = 80;
 constexpr int reports_between_offsets = 10;
+constexpr double beyond_switch_mm = 5;  // from a switch to the stop behind it
 
 enum class Mode { idle, home, alarm, dead };  // dead: until reset, after ALARM:1 and ALARM:2
 
@@ -47,7 +48,10 @@ struct GrblController::Impl {
   std::jthread thread;  // the last, so that it ends before what it uses
 
   explicit Impl(const GrblOptions& o)
-      : options(o), axes(o.power_up_mm), settings(o.travel_mm, o.rapid_mm_s, o.acceleration_mm_s2) {}
+      : options(o), axes(o.power_up_mm), settings(o.travel_mm, o.rapid_mm_s, o.acceleration_mm_s2) {
+    settings.set(o.soft_limits ? "20=1" : "20=0");
+    settings.set(o.hard_limits ? "21=1" : "21=0");
+  }
 
   /// Acts on the machine as it stands now.
   template <class F>
@@ -157,8 +161,8 @@ struct GrblController::Impl {
   }
 
   void after_motion() {
-    const Vec2 at = axes.true_mm();
-    const Vec2 inside = at.cwiseMax(Vec2::Constant(low())).cwiseMin(high());
+    const Vec2 at = axes.true_mm(), past = Vec2::Constant(settings.on(21) ? 0 : beyond_switch_mm);
+    const Vec2 inside = at.cwiseMax(Vec2::Constant(low()) - past).cwiseMin(high() + past);
     if (mode != Mode::home && inside != at) {
       axes.stands_at(inside, axes.claimed_mm());
       if (settings.on(21)) alarm(1, Mode::dead);
@@ -287,8 +291,14 @@ GrblController::~GrblController() = default;
 Vec2 GrblController::true_position_mm() const {
   return impl_->now([&] { return impl_->axes.true_mm(); });
 }
+Vec2 GrblController::off_mm() const {
+  return impl_->now([&] { return Vec2(impl_->axes.true_mm() - impl_->axes.claimed_mm()); });
+}
 void GrblController::lose_steps(double mm_per_move) {
   impl_->now([&] { impl_->axes.lost_mm_per_move = mm_per_move; });
+}
+void GrblController::set_backlash(double mm) {
+  impl_->now([&] { impl_->axes.backlash_mm = mm; });
 }
 void GrblController::stick(bool stuck) {
   impl_->now([&] { impl_->axes.stuck = stuck; });

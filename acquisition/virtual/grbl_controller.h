@@ -15,7 +15,8 @@ struct GrblOptions {
   Vec2 travel_mm{200, 150};    ///< $130, $131: MPos runs from 0 to these
   double rapid_mm_s = 200;
   double acceleration_mm_s2 = 2000;
-  Vec2 power_up_mm{20, 20};  ///< where the carriage truly stands when the controller starts
+  Vec2 power_up_mm{20, 20};                     ///< where the carriage truly stands when the controller starts
+  bool soft_limits = true, hard_limits = true;  ///< $20, $21
 };
 
 /// A GRBL 1.1 controller of a two-axis stage on a pseudo-terminal, built as HOMING_FORCE_SET_ORIGIN: $H seeks the
@@ -27,6 +28,9 @@ struct GrblOptions {
 ///     Idle ── G0 G1 ──▶ Run ── ! ──▶ Hold:1 ──▶ Hold:0 ── ~ ──▶ Run
 ///     0x18 in Run, Hold:1: ALARM:3      in Home: ALARM:6      in Idle, Hold:0: Idle, position kept
 ///     a switch closes: ALARM:1          target beyond the travel: ALARM:2          both dead until 0x18, then Alarm
+///
+/// With $21=0 a switch that closes is only told by the reports (Pn:), and the carriage goes on for 5 mm to its stop.
+/// One switch input per axis serves both ends.
 ///
 /// The planner takes 15 moves and answers `ok` when it takes one; each move accelerates, cruises and ends at rest.
 /// There is no jogging. Own thread; the members may be called from any.
@@ -40,11 +44,15 @@ class GrblController {
 
   /// Where the carriage is now, whatever MPos claims.
   Vec2 true_position_mm() const;
+  /// Where it is less what MPos claims.
+  Vec2 off_mm() const;
 
-  void lose_steps(double mm_per_move);  ///< each later move falls short by this; MPos does not know
-  void stick(bool stuck);               ///< the axes stop and the state stays what it is
-  void silence(bool silent);            ///< nothing is answered
-  void trip_limit();                    ///< a limit switch closes now: ALARM:1
+  /// Each later move of more than 2 mm falls short by this; MPos does not know.
+  void lose_steps(double mm_per_move);
+  void set_backlash(double mm);  ///< of either axis; MPos does not know
+  void stick(bool stuck);        ///< the axes stop and the state stays what it is
+  void silence(bool silent);     ///< nothing is answered
+  void trip_limit();             ///< a limit switch closes now: ALARM:1
 
  private:
   struct Impl;

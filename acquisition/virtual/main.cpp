@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -39,6 +40,14 @@ struct Devices {
   std::unique_ptr<GrblController> stage;
   std::unique_ptr<GigeCamera> camera;  ///< null while it is switched off
   std::function<Result<std::unique_ptr<GigeCamera>>()> make_camera;
+  std::atomic<double> worst_off_mm = 0;  ///< of an exposure since it was last asked for
+
+  /// Where an exposure that begins now is taken.
+  Vec2 exposed_at() {
+    const double off_mm = stage->off_mm().norm();
+    for (double worst = worst_off_mm; off_mm > worst && !worst_off_mm.compare_exchange_weak(worst, off_mm);) continue;
+    return stage->true_position_mm();
+  }
 };
 
 /// Switches the camera off, or on again: another one at the same place, with the same serial.
@@ -94,12 +103,17 @@ KnobPanel make_knobs(Devices& bench) {
   };
   KnobPanel knobs{
       {"lost_steps", fault("mm per move", [&](double value) { bench.stage->lose_steps(value); })},
+      {"backlash", fault("mm", [&](double value) { bench.stage->set_backlash(value); })},
       {"stuck_stage", fault("0|1", [&](double value) { bench.stage->stick(value != 0); })},
       {"silent_stage", fault("0|1", [&](double value) { bench.stage->silence(value != 0); })},
       {"stage_alarm", fault("1", [&](double value) { value != 0 ? bench.stage->trip_limit() : void(); })},
       {"frozen_camera", fault("0|1", [&](double value) { bench.camera ? bench.camera->freeze(value != 0) : void(); })},
       {"camera_off", {"0|1", [&](double value) { return switch_camera(bench, value != 0); }, {}}},
       {"frames", {"read only", {}, [&] { return std::to_string(bench.camera ? bench.camera->frames_sent() : 0); }}},
+      {"worst_off",
+       {"read only, mm: farthest that the stage truly stood from its reading in an exposure since last read",
+        {},
+        [&] { return std::to_string(bench.worst_off_mm.exchange(0)); }}},
       {"true_position", {"read only, mm", {}, [&] {
                            const Vec2 at = bench.stage->true_position_mm();
                            return std::to_string(at.x()) + " " + std::to_string(at.y());
@@ -168,7 +182,7 @@ int run_bench(Options& options, Devices& devices, const KnobPanel& panel) {
                           dn);
   };
   devices.make_camera = [&] {
-    return GigeCamera::start(options.camera, {.stage_mm = [&] { return devices.stage->true_position_mm(); },
+    return GigeCamera::start(options.camera, {.stage_mm = [&] { return devices.exposed_at(); },
                                               .wait_ready = [&](const Vec2& at) { devices.world->wait_ready(at); },
                                               .expose = expose});
   };
@@ -203,6 +217,7 @@ int parse_and_run(int argc, char** argv) {
   app.footer(knob_names);
   app.option_defaults()->always_capture_default();
   WorldOptions& world = options.world;
+  bool stage_limits = true;
   const auto of = [](std::set<std::string> names) { return CLI::IsMember(std::move(names)); };
   app.add_option("--lamp", world.lamp, "what is measured")->check(of({"bike", "headlight", "led-array"}));
   app.add_option("--filter", options.filter, "BASIS:SPACING_MM:WINDOW of the slide");
@@ -219,6 +234,7 @@ int parse_and_run(int argc, char** argv) {
   app.add_option("--optics", world.optics, "on or off: distortion, vignetting and blur; off is an ideal pinhole");
   app.add_option("--stage-speed", options.stage.rapid_mm_s, "mm/s")->check(CLI::Range(0.1, 1e4));
   app.add_option("--stage-acceleration", options.stage.acceleration_mm_s2, "mm/s²")->check(CLI::Range(0.1, 1e6));
+  app.add_option("--stage-limits", stage_limits, "on or off: soft and hard limits, $20 and $21");
   app.add_option("command", options.command, "what to run, after --");
   CLI::App* truth =
       app.add_subcommand("truth", "irradiance at points by quadrature, of --lamp behind --filter")->fallthrough();
@@ -244,6 +260,7 @@ int parse_and_run(int argc, char** argv) {
     std::puts(answer->c_str());
     return answer->starts_with("error") ? 1 : 0;
   }
+  options.stage.soft_limits = options.stage.hard_limits = stage_limits;
   world.carries = options.carries == "lamp" ? StageCarries::lamp : StageCarries::slide;
   if (const Status filter = apply_filter(options.filter, world); !filter) return report(filter.error(), 2);
   if (format->empty() && world.lamp == "led-array") world.pixel_format = "BayerRG12";

@@ -44,14 +44,21 @@ void Axes::begin_front() {
   const Move& move = queue_.front();
   profile_ = Trapezoid((move.to_mm - move.from_mm).norm(), move.speed_mm_s, move.acceleration_mm_s2);
   travelled_mm_ = 0;
-  lost_per_mm_ = profile_.length_mm() > 0 ? lost_mm_per_move / profile_.length_mm() : 0;
+  lost_per_mm_ = profile_.length_mm() > 0 ? loss_mm(move) / profile_.length_mm() : 0;
 }
+
+double Axes::loss_mm(const Move& move) const { return (move.to_mm - move.from_mm).norm() > 2 ? lost_mm_per_move : 0; }
 
 void Axes::travel_to(double distance_mm) {
   const Move& move = queue_.front();
   offset_mm_ -= move.direction() * lost_per_mm_ * (distance_mm - travelled_mm_);
+  play_mm_ = play_after(play_mm_, move.direction() * (distance_mm - travelled_mm_));
   claimed_mm_ = move.from_mm + move.direction() * distance_mm;
   travelled_mm_ = distance_mm;
+}
+
+Vec2 Axes::play_after(const Vec2& play_mm, const Vec2& way_mm) const {
+  return (play_mm - way_mm).cwiseMax(Vec2::Zero()).cwiseMin(Vec2::Constant(backlash_mm));
 }
 
 void Axes::advance(double seconds) {
@@ -102,14 +109,18 @@ void Axes::kill() {
 }
 
 Vec2 Axes::true_target_mm() const {
-  Vec2 target = target_mm() + offset_mm_;
-  for (const Move& move : queue_) target -= move.direction() * lost_mm_per_move;
-  return target;
+  Vec2 target = target_mm() + offset_mm_, at = claimed_mm_, play = play_mm_;
+  for (const Move& move : queue_) {
+    target -= move.direction() * loss_mm(move);
+    play = play_after(play, move.to_mm - at);
+    at = move.to_mm;
+  }
+  return target + play;
 }
 
 void Axes::stands_at(const Vec2& true_mm, const Vec2& claimed_mm) {
   claimed_mm_ = claimed_mm;
-  offset_mm_ = true_mm - claimed_mm;
+  offset_mm_ = true_mm - claimed_mm - play_mm_;
 }
 
 }  // namespace lumifield::virtual_bench

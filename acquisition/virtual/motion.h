@@ -40,8 +40,9 @@ struct Move {
 };
 
 /// The two motors behind a controller: a queue of moves, the position that their steps claim, and the carriage's true
-/// position, which differs by what was never known (before homing) or was lost. There is no look-ahead: every move ends
-/// at rest. Thread-bound; the owner's clock drives advance().
+/// position, which differs by what was never known (before homing) or was lost, and by the play of the drive: it rests
+/// where it is until a motor that turns back has taken up the backlash. Driven upwards the play is 0. There is no
+/// look-ahead: every move ends at rest. Thread-bound; the owner's clock drives advance().
 ///
 ///     empty ── push ──▶ moving ── hold ──▶ stopping ──▶ held ── resume ──▶ moving        kill: any ──▶ empty, at once
 class Axes {
@@ -61,7 +62,7 @@ class Axes {
   bool held() const { return hold_ == Hold::held; }
 
   const Vec2& claimed_mm() const { return claimed_mm_; }
-  Vec2 true_mm() const { return claimed_mm_ + offset_mm_; }
+  Vec2 true_mm() const { return claimed_mm_ + offset_mm_ + play_mm_; }
   /// Where the queue ends: as claimed, and where the carriage will truly be.
   Vec2 target_mm() const { return queue_.empty() ? claimed_mm_ : queue_.back().to_mm; }
   Vec2 true_target_mm() const;
@@ -69,13 +70,17 @@ class Axes {
   /// The carriage stands there, and that is what the steps now claim.
   void stands_at(const Vec2& true_mm, const Vec2& claimed_mm);
 
-  double lost_mm_per_move = 0;  ///< each move from now on falls short by this
-  bool stuck = false;           ///< time stands still for the motors
+  /// Each move from now on falls short by this, but those of up to 2 mm: they never get fast enough to lose steps.
+  double lost_mm_per_move = 0;
+  bool stuck = false;      ///< time stands still for the motors
+  double backlash_mm = 0;  ///< of either axis
 
  private:
   enum class Hold { none, stopping, held };
   void begin_front();
   void travel_to(double distance_mm);
+  double loss_mm(const Move& move) const;
+  Vec2 play_after(const Vec2& play_mm, const Vec2& way_mm) const;
 
   std::deque<Move> queue_;
   Trapezoid profile_;        // of the front move
@@ -83,7 +88,7 @@ class Axes {
   double travelled_mm_ = 0;  // of the front move
   double lost_per_mm_ = 0;
   Hold hold_ = Hold::none;
-  Vec2 claimed_mm_{0, 0}, offset_mm_;
+  Vec2 claimed_mm_{0, 0}, offset_mm_, play_mm_{0, 0};
 };
 
 }  // namespace lumifield::virtual_bench

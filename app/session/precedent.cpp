@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 /// What may change between two scans of one dataset: where devices are found, how fast and how patiently they work,
 /// what is allowed and what is worth a warning.
-constexpr std::array<std::string_view, 20> free_members = {
+constexpr std::array<std::string_view, 22> free_members = {
     "/camera/address",
     "/camera/readout_s",
     "/camera/packet_bytes",
@@ -21,6 +21,8 @@ constexpr std::array<std::string_view, 20> free_members = {
     "/stage/rapid_mm_s",
     "/stage/acceleration_mm_s2",
     "/stage/home",
+    "/stage/approach_mm/",
+    "/stage/check_home",
     "/limits_mm/",
     "/tolerance_mm",
     "/sensor/responsivity/date",

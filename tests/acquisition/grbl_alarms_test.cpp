@@ -63,6 +63,19 @@ TEST_F(GrblControllerTest, ASwitchHitIsAHardLimit) {
   EXPECT_NEAR(controller_->true_position_mm().x(), -1, 0.1);
 }
 
+TEST_F(GrblControllerTest, WithoutHardLimitsASwitchIsOnlyToldAndTheStopIsBehindIt) {
+  home();
+  ASSERT_EQ(host_->answer("$20=0"), "ok");
+  ASSERT_EQ(host_->answer("$21=0"), "ok");
+  ASSERT_EQ(host_->answer("G0 X-1"), "ok");
+  EXPECT_NE(host_->wait_for("Idle").text.find("|Pn:X"), std::string::npos);
+  EXPECT_NEAR(controller_->true_position_mm().x(), -1, 1e-9);
+  ASSERT_EQ(host_->answer("G0 X-10"), "ok");
+  EXPECT_EQ(host_->wait_for("Idle").mpos.x(), -10);
+  EXPECT_NEAR(controller_->true_position_mm().x(), -6, 1e-9) << "against the stop it loses steps";
+  EXPECT_NEAR(controller_->off_mm().x(), 4, 1e-9);
+}
+
 TEST_F(GrblControllerTest, SilentItAnswersNothing) {
   controller_->silence(true);
   host_->send("?$X\n");

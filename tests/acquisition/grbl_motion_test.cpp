@@ -131,6 +131,8 @@ TEST_F(GrblControllerTest, LosesStepsThatItsReadingDoesNotShow) {
   EXPECT_NEAR(prepared_.back().x(), 49.5, 1e-9);
   seconds_to_idle("G0 Y30");
   EXPECT_LT((controller_->true_position_mm() - Vec2(49.5, 29.5)).norm(), 1e-9);
+  seconds_to_idle("G0 X52");
+  EXPECT_NEAR(controller_->off_mm().x(), -0.5, 1e-9) << "2 mm are too short to get fast";
   controller_->lose_steps(0);
   home();
   EXPECT_EQ(controller_->true_position_mm(), Vec2(0, 0));

@@ -13,6 +13,7 @@ TEST(GrblReport, ReadsStatus) {
   EXPECT_EQ(idle->position, Vec2(1.25, -2.5));
   EXPECT_TRUE(idle->machine_position);
   EXPECT_EQ(idle->work_offset, Vec2(3, 4));
+  EXPECT_FALSE(idle->x_closed || idle->y_closed);
 
   const auto hold = parse_grbl_status("<Hold:1|WPos:1,2|Pn:XY|Ov:100,100,100>");
   ASSERT_TRUE(hold);
@@ -20,6 +21,11 @@ TEST(GrblReport, ReadsStatus) {
   EXPECT_EQ(hold->sub_state, 1);
   EXPECT_FALSE(hold->machine_position);
   EXPECT_FALSE(hold->work_offset);
+  EXPECT_TRUE(hold->x_closed && hold->y_closed);
+  const auto other_pins = parse_grbl_status("<Idle|MPos:0,0,0|Pn:PYZD>");
+  ASSERT_TRUE(other_pins);
+  EXPECT_FALSE(other_pins->x_closed);
+  EXPECT_TRUE(other_pins->y_closed);
 }
 
 TEST(GrblReport, RefusesBrokenStatus) {

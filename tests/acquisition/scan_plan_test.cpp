@@ -185,6 +185,31 @@ TEST(MotionTime, CountsTheDarkSetWithAllThatThePlanAllows) {
               1e-12);
 }
 
+TEST(MotionTime, ATargetIsComeToFromOneSide) {
+  const Vec2 target(10, 20);
+  const auto via = std::vector<Vec2>{{9, 22}, {10, 20}};
+  const auto straight = std::vector<Vec2>{{10, 20}};
+  EXPECT_EQ(way_to(target, {0, 0}, std::nullopt), straight);
+  EXPECT_EQ(way_to(target, {1, -2}, std::nullopt), via);
+  EXPECT_EQ(way_to(target, {1, -2}, Vec2(9, 22)), straight);
+  EXPECT_EQ(way_to(target, {1, -2}, Vec2(0, 90)), straight);
+  EXPECT_EQ(way_to(target, {1, -2}, Vec2(9.5, 90)), via) << "not far enough in x";
+  EXPECT_EQ(way_to(target, {1, -2}, Vec2(0, 0)), via) << "the wrong way in y";
+  EXPECT_EQ(way_to(target, {1, 0}, Vec2(0, 50)), straight) << "y does not matter";
+}
+
+TEST(MotionTime, CountsTheApproach) {
+  Bench bench = small_bench();
+  const auto predicted_s = [&] {
+    return make_scan_plan(bench, small_plan(), {{0, 0}, {0, 1}, {0, 2}, {1, 0}, {1, 2}})->predicted_s;
+  };
+  const double straight_s = predicted_s();
+  bench.stage.approach_mm = {0, 1.25};
+  // Up to each of five targets from 1.25 mm below, for the second 1.25 mm farther down, for the third, where the stage
+  // stands already, down first.
+  EXPECT_NEAR(predicted_s() - straight_s, 5 * 0.1 + 1.25 / 50 + 0.1, 1e-12);
+}
+
 TEST(TimeLeft, FollowsThePace) {
   TimeLeft left({10, 10, 20});
   EXPECT_DOUBLE_EQ(left.left_s(0), 40);

@@ -36,6 +36,19 @@ TEST(ScanRules, LimitsSayAxisExcessAndWhatIsNeeded) {
   EXPECT_THAT(refusal(bench, bell_plan()).what, HasSubstr("stage y from -22.5 to 90 mm, 2.5 mm below the low limit"));
 }
 
+TEST(ScanRules, LimitsHoldWhereTargetsAreApproachedFrom) {
+  Bench bench = bell_bench();
+  bench.limits = {{-30, -22.5}, {120, 90}};
+  bench.stage.approach_mm = {1, -2};
+  const Error error = refusal(bench, bell_plan());
+  EXPECT_THAT(error.what,
+              HasSubstr("stage x from -31 to 120 mm, 1 mm below the low limit, stage y from -22.5 to 92 mm, "
+                        "2 mm above the high limit; the approach by (1, -2) mm is counted"));
+  EXPECT_THAT(error.remedy, HasSubstr("(-31, -22.5) … (120, 92)"));
+  bench.limits = {{-31, -22.5}, {120, 92}};
+  EXPECT_TRUE(make_scan_plan(bench, bell_plan()));
+}
+
 TEST(ScanRules, FiltersStandFarEnoughApart) {
   // 30 mm half the grid, 18 mm half the lamp, 15 mm half the window.
   Bench bench = bell_bench();

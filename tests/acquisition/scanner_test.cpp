@@ -24,7 +24,8 @@ TEST(ScanStates, FollowTheDrawing) {
       {settling, paused},     {exposing, paused},     {delivering, paused},
       {paused, paused},       {paused, homing},       {paused, moving},
       {paused, parking},      {paused, reconnecting}, {exposing, reconnecting},
-      {reconnecting, moving}, {reconnecting, paused}, {reconnecting, parking}};
+      {reconnecting, moving}, {reconnecting, paused}, {reconnecting, parking},
+      {moving, moving},       {moving, delivering},   {moving, homing}};
   const std::vector<ScanState> all{idle,         homing, moving,  settling, exposing, delivering,
                                    reconnecting, paused, parking, done,     stopped,  failed};
   for (const ScanState from : all)

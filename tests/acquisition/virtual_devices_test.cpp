@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <filesystem>
-#include <span>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <span>
 #include <thread>
 #include <unistd.h>
 
@@ -87,6 +87,105 @@ TEST_F(StageOnVirtualController, ALimitSwitchInMotionAsksForHoming) {
 
 TEST_F(StageOnVirtualController, TargetsBeyondTheTravelAreRefused) {
   EXPECT_THAT(message(stage_->move_to({201, 0})), HasSubstr("soft limits"));
+}
+
+/// A stage that looks for its home switches.
+class SlipOnVirtualController : public testing::Test {
+ protected:
+  void start(const virtual_bench::GrblOptions& with) {
+    virtual_bench::GrblOptions options = with;
+    options.path = std::filesystem::temp_directory_path() / ("lumifield-slip-" + std::to_string(getpid()));
+    auto controller = virtual_bench::GrblController::start(options);
+    ASSERT_TRUE(controller) << controller.error().message();
+    controller_ = std::move(*controller);
+    settings_.path = options.path;
+    settings_.check_home = true;
+  }
+  void start_homed() {
+    virtual_bench::GrblOptions options;
+    options.soft_limits = options.hard_limits = false;
+    start(options);
+    auto stage = open_stage(settings_);
+    ASSERT_TRUE(stage) << stage.error().message();
+    stage_ = std::move(*stage);
+    const Status homed = stage_->home();
+    ASSERT_TRUE(homed) << homed.error().message();
+  }
+  Vec2 slipped_mm() {
+    const Result<Vec2> slip = stage_->slipped_mm();
+    EXPECT_TRUE(slip) << slip.error().message();
+    return slip ? *slip : Vec2(NAN, NAN);
+  }
+
+  StageSettings settings_;
+  std::unique_ptr<virtual_bench::GrblController> controller_;
+  std::unique_ptr<Stage> stage_;
+};
+
+TEST_F(SlipOnVirtualController, NoneIsFoundWhereNoneIs) {
+  start_homed();
+  EXPECT_LT(slipped_mm().norm(), 1e-9);
+  ASSERT_TRUE(stage_->move_to({150, 100}));
+  EXPECT_LT(slipped_mm().norm(), 1e-9);
+  EXPECT_LT(controller_->true_position_mm().norm(), 0.004) << "it is left where homing ends";
+}
+
+TEST_F(SlipOnVirtualController, IsToldByTheHomeSwitchesAndEndsWithHoming) {
+  start_homed();
+  for (const double lost_mm : {0.03, 0.4, -0.4}) {
+    // Steps lost on the way out leave the carriage short of its reading; those lost as it comes back, beyond.
+    const bool out = lost_mm > 0;
+    controller_->lose_steps(out ? lost_mm : 0);
+    ASSERT_TRUE(stage_->move_to({100, 0}));
+    controller_->lose_steps(out ? 0 : -lost_mm);
+    ASSERT_TRUE(stage_->move_to({90, 0}));
+    controller_->lose_steps(0);
+    const Vec2 off = controller_->off_mm();
+    EXPECT_NEAR(off.x(), -lost_mm, 1e-9);
+    EXPECT_LT((slipped_mm() - off).norm(), 0.011) << lost_mm;
+    ASSERT_TRUE(stage_->home());
+    EXPECT_LT(slipped_mm().norm(), 1e-9);
+  }
+}
+
+TEST_F(SlipOnVirtualController, FartherThanItLooksIsToldAsThat) {
+  start_homed();
+  controller_->lose_steps(10);
+  ASSERT_TRUE(stage_->move_to({0, 100}));
+  controller_->lose_steps(0);
+  EXPECT_NEAR(slipped_mm().y(), -1, 0.011) << "the switch is closed where homing ended";
+  ASSERT_TRUE(stage_->home());
+  ASSERT_TRUE(stage_->move_to({0, 100}));
+  controller_->lose_steps(10);
+  ASSERT_TRUE(stage_->move_to({0, 50}));
+  controller_->lose_steps(0);
+  EXPECT_NEAR(slipped_mm().y(), 2, 0.011);
+}
+
+TEST_F(SlipOnVirtualController, BacklashIsNoSlip) {
+  start_homed();
+  controller_->set_backlash(0.15);
+  ASSERT_TRUE(stage_->home());
+  ASSERT_TRUE(stage_->move_to({50, 50}));
+  EXPECT_LT(slipped_mm().norm(), 0.011);
+}
+
+TEST_F(SlipOnVirtualController, LimitsThatStandInTheWayAreRefusedOnOpening) {
+  virtual_bench::GrblOptions options;
+  options.soft_limits = false;
+  start(options);
+  const auto hard = open_stage(settings_);
+  EXPECT_THAT(message(hard),
+              testing::AllOf(HasSubstr("hard limits, which make a closed switch an alarm"), HasSubstr("set $21=0")));
+  controller_.reset();
+  options.soft_limits = true, options.hard_limits = false;
+  start(options);
+  EXPECT_THAT(message(open_stage(settings_)), HasSubstr("set $20=0"));
+  settings_.check_home = false;
+  const auto stage = open_stage(settings_);
+  ASSERT_TRUE(stage) << stage.error().message();
+  ASSERT_TRUE((*stage)->home());
+  EXPECT_THAT(message((*stage)->slipped_mm()), HasSubstr("where its home switches close is not known"));
 }
 
 class CameraOnVirtualServer : public testing::TestWithParam<const char*> {};

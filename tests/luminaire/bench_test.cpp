@@ -78,6 +78,7 @@ TEST(Bench, ReturnsTheSameAfterWritingAndReading) {
   bench.camera.gain = 1.0 / 3;
   bench.stage.path = "/dev/ttyACM0";
   bench.stage.home = false;
+  bench.stage.approach_mm = {0.5, -0.25};
   bench.stage_carries = StageCarries::lamp;
   bench.stage_to_luminaire.linear << 0, -1, 1, 0.001;
   bench.camera_model.vignetting = {-0.1, 0.02, 1e-300};
@@ -87,6 +88,7 @@ TEST(Bench, ReturnsTheSameAfterWritingAndReading) {
   ASSERT_TRUE(read) << read.error().message();
   EXPECT_EQ(to_json(*read), once);
   EXPECT_EQ(read->camera.gain, bench.camera.gain);
+  EXPECT_EQ(read->stage.approach_mm, Vec2(0.5, -0.25));
   EXPECT_EQ(read->stage_carries, StageCarries::lamp);
   EXPECT_EQ(read->stage_to_luminaire.linear, bench.stage_to_luminaire.linear);
   EXPECT_EQ(read->camera_model.vignetting, bench.camera_model.vignetting);
@@ -104,6 +106,8 @@ TEST(Bench, NamesThePlaceOfWhatIsWrong) {
               HasSubstr("camera.kind: \"usb\" is not known; make it one of \"aravis\""));
   EXPECT_THAT(refusal_with("/camera/packet_bytes", 1500.5), HasSubstr("camera.packet_bytes: is out of range"));
   EXPECT_THAT(refusal_with("/stage/home", 1), HasSubstr("stage.home: has the wrong type; make it true or false"));
+  EXPECT_THAT(refusal_with("/stage", Json({{"kind", "grbl"}, {"home", false}, {"check_home", true}})),
+              HasSubstr("stage.check_home: asks for switches that are not looked for at the start"));
   EXPECT_THAT(refusal_with("/stage_to_luminaire/linear", Json({{1, 2}, {2, 4}})), HasSubstr("cannot be inverted"));
   EXPECT_THAT(refusal_with("/limits_mm/low/0", 140), HasSubstr("limits_mm: has a low limit not below the high one"));
   EXPECT_THAT(refusal_with("/planes/separation_mm", 0), HasSubstr("planes.separation_mm: is out of range (0)"));

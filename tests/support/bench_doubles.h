@@ -38,9 +38,17 @@ class StageDouble final : public Stage {
     ++homings;
     if (stop.stop_requested()) return halted();
     if (home_error) return tl::unexpected(*home_error);
-    at = {0, 0};
+    at = slip_mm = {0, 0};
     clock.now += home_s;
     return {};
+  }
+  Result<Vec2> slipped_mm(std::stop_token stop = {}) override {
+    ++looks;
+    if (stop.stop_requested()) return halted();
+    if (alarm) return fail("alarm 1: a limit switch was hit", "stage", "home it");
+    at = {0, 0};
+    clock.now += look_s;
+    return slip_mm;
   }
   Status move_to(const Vec2& target_mm, std::stop_token stop = {}) override {
     ++moves;
@@ -66,7 +74,8 @@ class StageDouble final : public Stage {
 
   ManualClock& clock;
   StageInfo stage_info{"double", "memory", 50, 500, {200, 200}};
-  double home_s = 3;
+  double home_s = 3, look_s = 2;
+  Vec2 slip_mm{0, 0};  ///< until it is homed; positions do not tell
   std::optional<Error> home_error;
   int alarm_at_move = 0;  ///< 0 = never
   bool alarm = false, silent = false;
@@ -75,7 +84,7 @@ class StageDouble final : public Stage {
   std::function<void(int move)> on_move;
 
   Vec2 at{0, 0};
-  int homings = 0, moves = 0, positions_read = 0, halts = 0;
+  int homings = 0, looks = 0, moves = 0, positions_read = 0, halts = 0;
   std::vector<Vec2> targets;
 };
 

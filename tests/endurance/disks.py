@@ -1,0 +1,170 @@
+"""Disks that fill, fail, turn read-only and lose their power under a scan."""
+
+import fcntl
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import time
+
+from datasets import durable_cells, journal
+
+# Of the plan's twelve cells in serpentine order.
+in_mid_scan, cell_in_mid_scan = 5, "cells/r01_c01.1.exr.tmp"
+
+
+def run(*command):
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def mount(undo, target, *options):
+    target.mkdir(exist_ok=True)
+    run("mount", *options, target)
+    undo.callback(run, "umount", target)
+    return target
+
+
+def fails(trials, fault, scan, dataset, words, bench, durable=None, repair=lambda: None):
+    """A scan whose disk fails now: it ends with an error that says what, and goes on after the repair.
+    False when the bench failed it first."""
+    start = time.monotonic()
+    wrong = scan.wrong_end(1, words)
+    if wrong and trials.troubled(scan):
+        return False
+    ended_s = time.monotonic() - start
+    if durable is None:
+        durable = durable_cells(dataset)
+    if not wrong and not durable:
+        wrong = "no cell was durable before the fault"
+    repair()
+    trials.finish(fault, dataset, durable, bench, ended_s=ended_s, said=scan.said(), wrong=wrong)
+    return True
+
+
+def full(trials, undo):
+    disk = mount(undo, trials.folder / "full", "-t", "tmpfs", "-o", "size=256k", "none")
+    dataset = trials.new_dataset(disk)
+    with trials.bench() as bench:
+        scan = trials.scan(bench, dataset)
+        scan.wait_for_cells(dataset, in_mid_scan)
+        return fails(trials, "full: tmpfs of 256 KiB", scan, dataset, "No space left on device", bench,
+                     repair=lambda: run("mount", "-o", "remount,size=8m", disk))
+
+
+def read_only(trials, undo):
+    disk = mount(undo, trials.folder / "read_only", "-t", "tmpfs", "none")
+    dataset = trials.new_dataset(disk)
+    with trials.bench() as bench:
+        scan = trials.scan(bench, dataset)
+        scan.wait_for_cells(dataset, in_mid_scan)
+        # Refused while a file is being written.
+        while subprocess.run(["mount", "-o", "remount,ro", disk], stderr=subprocess.DEVNULL).returncode != 0:
+            time.sleep(0.002)
+        return fails(trials, "read-only of a sudden", scan, dataset, "Read-only file system", bench,
+                     repair=lambda: run("mount", "-o", "remount,rw", disk))
+
+
+def durable_flushed(dataset):
+    """Without the last line, which may not have been flushed yet."""
+    return durable_cells(dataset, max(0, len(journal(dataset)) - 1))
+
+
+def ext4_image(image):
+    """A file with an ext4 of 24 MiB, to be mounted through a loop device."""
+    with open(image, "wb") as file:
+        file.truncate(24 << 20)
+    run("mkfs.ext4", "-q", "-F", image)
+    return image
+
+
+def full_beneath(trials, undo):
+    """A file system whose own disk is full: every write succeeds, the flush does not, and it turns read-only."""
+    beneath = mount(undo, trials.folder / "beneath", "-t", "tmpfs", "-o", "size=32m", "none")
+    image = ext4_image(beneath / "image")
+    room = image.stat().st_blocks * 512 + 400 * 1024
+    run("mount", "-o", f"remount,size={room}", beneath)
+    disk = mount(undo, trials.folder / "thin", "-o", "loop", image)
+    dataset = trials.new_dataset(disk)
+
+    def repair():
+        run("mount", "-o", "remount,size=32m", beneath)
+        run("umount", disk)
+        # 0: clean, 1: repaired
+        if (code := subprocess.run(["e2fsck", "-fp", image], stdout=subprocess.DEVNULL).returncode) > 1:
+            sys.exit(f"e2fsck does not repair the thin disk: {code}")
+        run("mount", "-o", "loop", image, disk)
+
+    with trials.bench() as bench:
+        scan = trials.scan(bench, dataset)
+        scan.wait_for_cells(dataset, in_mid_scan)
+        return fails(trials, "full beneath: ext4 on a thin disk", scan, dataset, "", bench, durable_flushed(dataset),
+                     repair)
+
+
+def power_cut(trials, undo):
+    """ext4 stops at once, and what was not flushed is gone."""
+    image = ext4_image(trials.folder / "power.image")
+    undo.callback(image.unlink)
+    disk = mount(undo, trials.folder / "power", "-o", "loop", image)
+    dataset = trials.new_dataset(disk)
+
+    def repair():
+        run("umount", disk)
+        run("mount", "-o", "loop", image, disk)  # replays the file system's own journal
+        run("umount", disk)
+        run("e2fsck", "-fn", image)
+        run("mount", "-o", "loop", image, disk)
+
+    with trials.bench() as bench:
+        scan = trials.scan(bench, dataset)
+        scan.wait_for_cells(dataset, in_mid_scan)
+        time.sleep(trials.random.uniform(0, trials.whole_s / 4))
+        durable = durable_flushed(dataset)
+        shut_down, without_log = 0x8004587D, struct.pack("I", 2)  # EXT4_IOC_SHUTDOWN, EXT4_GOING_FLAGS_NOLOGFLUSH
+        folder = os.open(disk, os.O_RDONLY)
+        fcntl.ioctl(folder, shut_down, without_log)
+        os.close(folder)
+        return fails(trials, "power cut: ext4 shut down", scan, dataset, "Input/output error", bench, durable, repair)
+
+
+def injected(fault, file, calls, when, words="Input/output error", before=None):
+    """The calls on one file of the dataset fail."""
+
+    def trial(trials, undo):
+        dataset = trials.new_dataset()
+        under = ["strace", "-f", "-qq", "--seccomp-bpf", "-o", "/dev/null", "-P", dataset / file, "-e",
+                 f"trace={calls}", "-e", f"inject={calls}:error=EIO:when={when}"]
+        with trials.bench() as bench:
+            if before:
+                before(trials, bench, dataset)
+            return fails(trials, fault, trials.scan(bench, dataset, *under), dataset, words, bench)
+
+    return trial
+
+
+def half_a_scan(trials, bench, dataset):
+    scan = trials.scan(bench, dataset)
+    scan.wait_for_cells(dataset, in_mid_scan)
+    scan.kill()
+
+
+def may_inject():
+    traced = ["strace", "-qq", "-o", "/dev/null", "true"]
+    return shutil.which("strace") and subprocess.run(traced, stderr=subprocess.DEVNULL).returncode == 0
+
+
+def faults(which):
+    if which == "none":
+        return []
+    mounted = [full, read_only] + [power_cut] * (3 if which == "all" else 1)
+    writes = injected("EIO on write of a cell", cell_in_mid_scan, "write", "1+")
+    flushes = injected("EIO on fsync of a cell", cell_in_mid_scan, "fsync", "1+")
+    more = [full_beneath, injected("EIO on write of the journal", "journal.jsonl", "write", "5+"),
+            injected("EIO on fsync of the journal", "journal.jsonl", "fsync", "5+"),
+            injected("EIO on write of the manifest, closing", "luminaire.json.tmp", "write", "1+", before=half_a_scan),
+            injected("EIO on fsync of the manifest, closing", "luminaire.json.tmp", "fsync", "1+", before=half_a_scan)]
+    if not may_inject():
+        print("SKIPPED: EIO on single calls, which needs strace")
+        return mounted + ([full_beneath] if which == "all" else [])
+    return mounted + [writes, flushes] + (more if which == "all" else [])

@@ -1,0 +1,38 @@
+// Whether two datasets hold the same cells to the bit, values and variances, whatever their generations.
+//   same_pixels A.lumi B.lumi
+
+#include <cstdio>
+#include <string>
+
+#include "luminaire/dataset.h"
+
+namespace lumifield {
+namespace {
+
+std::string difference(const LightField& a, const LightField& b) {
+  if (const auto member = first_difference(a.geometry(), b.geometry())) return *member;
+  for (int k = 0; k < a.geometry().sampling.cells(); ++k) {
+    const CellIndex index = a.geometry().sampling.index(k);
+    const auto one = a.cell(index), other = b.cell(index);
+    const bool same = one && other ? one->value == other->value && one->variance == other->variance : one == other;
+    if (!same) return "cell " + to_string(index);
+  }
+  return {};
+}
+
+int run(int argc, char** argv) {
+  const auto a = read_dataset(argc == 3 ? argv[1] : ""), b = read_dataset(argc == 3 ? argv[2] : "");
+  for (const auto* dataset : {&a, &b})
+    if (!*dataset) {
+      std::fprintf(stderr, "%s\n", dataset->error().message().c_str());
+      return 2;
+    }
+  const std::string differs = difference(a->light_field, b->light_field);
+  if (!differs.empty()) std::printf("%s\n", differs.c_str());
+  return differs.empty() ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace lumifield
+
+int main(int argc, char** argv) { return lumifield::run(argc, argv); }
