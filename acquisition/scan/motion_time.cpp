@@ -28,6 +28,10 @@ StageSpeed stage_speed(const StageSettings& settings, const StageSpeed& reported
   return speed;
 }
 
+StageSpeed stage_speed(const StageSettings& settings, const StageInfo& reported) {
+  return stage_speed(settings, StageSpeed{reported.rapid_mm_s, reported.acceleration_mm_s2});
+}
+
 double move_time_s(const StageSpeed& speed, const Vec2& from_mm, const Vec2& to_mm) {
   assert(speed.rapid_mm_s > 0 && speed.acceleration_mm_s2 > 0);
   const double way = (to_mm - from_mm).cwiseAbs().maxCoeff();
@@ -68,6 +72,11 @@ std::vector<double> step_times_s(const std::vector<ScanStep>& steps, const Bench
     times.push_back(time);
   }
   return times;
+}
+
+double scan_time_s(const std::vector<ScanStep>& steps, const Bench& bench, const Plan& plan, const StageSpeed& speed) {
+  const std::vector<double> times = step_times_s(steps, bench, plan, speed);
+  return std::accumulate(times.begin(), times.end(), 0.0);
 }
 
 TimeLeft::TimeLeft(std::vector<double> step_times_s) : steps_s_(std::move(step_times_s)) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "acquisition/scan/scan_plan.h"
+#include "acquisition/stage.h"
 #include "luminaire/bench.h"
 #include "luminaire/plan.h"
 
@@ -16,6 +17,8 @@ struct StageSpeed {
 
 /// The bench file's speeds; what it leaves at 0 is taken from `reported`.
 StageSpeed stage_speed(const StageSettings& settings, const StageSpeed& reported = {});
+/// The same for a stage that is open.
+StageSpeed stage_speed(const StageSettings& settings, const StageInfo& reported);
 
 /// Time of one point-to-point move: accelerate, cruise, decelerate along the axis that goes farther (both axes are
 /// co-ordinated, and it limits).
@@ -32,6 +35,8 @@ std::vector<Vec2> way_to(const Vec2& target_mm, const Vec2& approach_mm, const s
 /// switches; the warm-up counts to the first step.
 std::vector<double> step_times_s(const std::vector<ScanStep>& steps, const Bench& bench, const Plan& plan,
                                  const StageSpeed& speed);
+/// Of all of them.
+double scan_time_s(const std::vector<ScanStep>& steps, const Bench& bench, const Plan& plan, const StageSpeed& speed);
 
 /// Time left: the prediction for the steps ahead times the pace so far, which starts at 1 and weighs the prediction
 /// with 5 % of the whole. Value type.

@@ -30,8 +30,7 @@ std::vector<ScanStep> make_steps(const Bench& bench, const Plan& plan, const std
   const Sampling grid = sampling_of(bench, plan);
   const StageSpeed speed = stage_speed(bench.stage);
   const Vec2 dark = dark_target_mm(bench);
-  const Vec2 reference =
-      stage_target_mm(bench, grid.cell_center_mm(plan.reference.cell)) + bench.filter.passes[0].offset_mm;
+  const Vec2 reference = reference_target_mm(bench, plan);
   const auto due = [](int done, int every) { return done == 0 || (every > 0 && done % every == 0); };
 
   std::vector<ScanStep> steps;
@@ -64,6 +63,11 @@ Vec2 stage_target_mm(const Bench& bench, const Vec2& u_mm) {
 
 Vec2 dark_target_mm(const Bench& bench) { return stage_target_mm(bench, Vec2(0, 0)) + bench.filter.dark_offset_mm; }
 
+Vec2 reference_target_mm(const Bench& bench, const Plan& plan) {
+  return stage_target_mm(bench, sampling_of(bench, plan).cell_center_mm(plan.reference.cell)) +
+         bench.filter.passes.front().offset_mm;
+}
+
 CellStep make_cell_step(const Bench& bench, const Plan& plan, CellIndex cell, const Vec2& from_mm) {
   return cell_step(bench, sampling_of(bench, plan), cell, from_mm, stage_speed(bench.stage));
 }
@@ -77,8 +81,7 @@ Result<ScanPlan> make_scan_plan(const Bench& bench, const Plan& plan, const std:
   ScanPlan scan{make_steps(bench, plan, cells), to_scan, plan.columns * plan.rows - to_scan, 0};
   if (Status status = check_limits(bench, scan.steps); !status) return tl::unexpected(status.error());
 
-  const std::vector<double> times = step_times_s(scan.steps, bench, plan, stage_speed(bench.stage));
-  scan.predicted_s = std::accumulate(times.begin(), times.end(), 0.0);
+  scan.predicted_s = scan_time_s(scan.steps, bench, plan, stage_speed(bench.stage));
   return scan;
 }
 
@@ -95,12 +98,10 @@ Result<ScanPlan> make_rehearsal(const Bench& bench, const Plan& plan, CellIndex 
                                    CellIndex{plan.rows - 1, plan.columns - 1}, CellIndex{plan.rows - 1, 0}})
       scan.steps.emplace_back(VisitStep{stage_target_mm(bench, grid.cell_center_mm(corner)) + pass.offset_mm,
                                         "corner cell " + to_string(corner) + ", pass " + pass.name});
-  const Vec2 reference =
-      stage_target_mm(bench, grid.cell_center_mm(plan.reference.cell)) + bench.filter.passes[0].offset_mm;
+  const Vec2 reference = reference_target_mm(bench, plan);
   scan.steps.emplace_back(ReferenceStep{reference, 0});
   scan.steps.emplace_back(make_cell_step(bench, plan, shot, reference));
-  const std::vector<double> times = step_times_s(scan.steps, bench, plan, stage_speed(bench.stage));
-  scan.predicted_s = std::accumulate(times.begin(), times.end(), 0.0);
+  scan.predicted_s = scan_time_s(scan.steps, bench, plan, stage_speed(bench.stage));
   return scan;
 }
 

@@ -50,6 +50,9 @@ Vec2 stage_target_mm(const Bench& bench, const Vec2& u_mm);
 /// Stage reading that centres the opaque patch on the lamp, which is centred on u = 0. The stage is parked there too.
 Vec2 dark_target_mm(const Bench& bench);
 
+/// Stage reading of the reference cell's first pass.
+Vec2 reference_target_mm(const Bench& bench, const Plan& plan);
+
 /// The step that takes one cell, its passes in the order that is nearer to `from_mm` (a stage reading).
 CellStep make_cell_step(const Bench& bench, const Plan& plan, CellIndex cell, const Vec2& from_mm);
 

@@ -37,8 +37,7 @@ Status Scanner::run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop,
   ladder_ = exposure_ladder(plan_);
   progress_.cells_done = progress_.cells_before = steps.cells_before;
   progress_.cells_total = steps.cells_before + steps.cells;
-  const StageSpeed reported{stage().info().rapid_mm_s, stage().info().acceleration_mm_s2};
-  step_times_s_ = step_times_s(steps.steps, bench_, plan_, stage_speed(bench_.stage, reported));
+  step_times_s_ = step_times_s(steps.steps, bench_, plan_, stage_speed(bench_.stage, stage().info()));
   time_left_ = TimeLeft(step_times_s_);
   return end(scan(steps));
 }
@@ -86,23 +85,14 @@ Status Scanner::between_steps() {
 }
 
 Status Scanner::pause() {
-  {
-    Stretch paused(clock_, timing_.paused_s);
-    enter(ScanState::paused);
-    const double before_s = clock_.now_s();
-    control_->wait_while_paused(end_.get_token());
-    first_step_s_ += clock_.now_s() - before_s;
-  }
-  if (end_.stop_requested()) return scan_stopped();
-  reference_due_ = reference_read_;
+  if (Status word = await_operator(); !word) return word;
   return persist([] { return Status{}; });
 }
 
 Status Scanner::retake(CellIndex cell) {
   if (!sampling_of(bench_, plan_).contains(cell)) return {};
   const CellStep step = make_cell_step(bench_, plan_, cell, stands_mm_);
-  const StageSpeed reported{stage().info().rapid_mm_s, stage().info().acceleration_mm_s2};
-  time_left_.insert_step(step_times_s({step}, bench_, plan_, stage_speed(bench_.stage, reported)).front() -
+  time_left_.insert_step(scan_time_s({step}, bench_, plan_, stage_speed(bench_.stage, stage().info())) -
                          plan_.warm_up_s);
   const int cells_done = progress_.cells_done;
   if (Status status = persist([&] { return take(step); }); !status) return status;

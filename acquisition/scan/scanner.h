@@ -143,6 +143,7 @@ class Scanner {
   Status help(Error error, int& reconnections);
   Status reconnect(const Error& error);
   Status hold(Error error, Culprit culprit);
+  Status await_operator();
   Status bring_back(Culprit culprit, const Error& error);
   bool home_check_due(const std::vector<ScanStep>& steps, std::size_t next) const;
   Status check_home();

@@ -83,22 +83,29 @@ Status Scanner::reconnect(const Error& error) {
 Status Scanner::hold(Error error, Culprit culprit) {
   stage().halt();
   for (;;) {
-    {
-      Stretch paused(clock_, timing_.paused_s);
-      const double before_s = clock_.now_s();
-      progress_.trouble = error.message();
-      control_->pause();
-      enter(ScanState::paused);
-      control_->wait_while_paused(end_.get_token());
-      progress_.trouble.clear();
-      first_step_s_ += clock_.now_s() - before_s;
-    }
-    if (end_.stop_requested()) return scan_stopped();
-    reference_due_ = reference_read_;
+    progress_.trouble = error.message();
+    control_->pause();
+    const Status word = await_operator();
+    progress_.trouble.clear();
+    if (!word) return word;
     Status back = bring_back(culprit, error);
     if (back || back.error().kind == ErrorKind::stopped) return back;
     error = std::move(back).error();
   }
+}
+
+/// Until the word to go on: the reference cell is then read before anything else.
+Status Scanner::await_operator() {
+  {
+    Stretch paused(clock_, timing_.paused_s);
+    enter(ScanState::paused);
+    const double before_s = clock_.now_s();
+    control_->wait_while_paused(end_.get_token());
+    first_step_s_ += clock_.now_s() - before_s;
+  }
+  if (end_.stop_requested()) return scan_stopped();
+  reference_due_ = reference_read_;
+  return {};
 }
 
 Status Scanner::bring_back(Culprit culprit, const Error& error) {
@@ -111,9 +118,7 @@ Status Scanner::bring_back(Culprit culprit, const Error& error) {
 }
 
 Status Scanner::read_reference() {
-  const Vec2 center_mm = sampling_of(bench_, plan_).cell_center_mm(plan_.reference.cell);
-  return take(ReferenceStep{stage_target_mm(bench_, center_mm) + bench_.filter.passes.front().offset_mm,
-                            progress_.cells_done - progress_.cells_before});
+  return take(ReferenceStep{reference_target_mm(bench_, plan_), progress_.cells_done - progress_.cells_before});
 }
 
 Status Scanner::check_drift(const ReferenceReading& reading, const std::string& place) {

@@ -1,7 +1,6 @@
 #include "app/session/rehearsal.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "acquisition/scan/motion_time.h"
 #include "app/session/device_names.h"
@@ -77,10 +76,8 @@ Result<Rehearsal> run(const RehearsalRequest& request, std::stop_token stop,
   told.signal_dn_per_s = sink.signal_dn_per_s;
   told.took_s = scanner.timing().total_s;
   told.cells = whole->cells;
-  const StageInfo& stage = instruments.stage().info();
-  const auto times =
-      step_times_s(whole->steps, bench, plan, stage_speed(bench.stage, {stage.rapid_mm_s, stage.acceleration_mm_s2}));
-  told.scan_s = std::accumulate(times.begin(), times.end(), 0.0);
+  const StageSpeed speed = stage_speed(bench.stage, instruments.stage().info());
+  told.scan_s = scan_time_s(whole->steps, bench, plan, speed);
   told.scan_bytes = whole->cells * stored_cell_bytes(developer->geometry());
   told.free_bytes = room_for(request.out);
   return told;
