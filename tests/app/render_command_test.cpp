@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/cli/command_line.h"
 #include "luminaire/dataset.h"
 #include "renderer/picture.h"
 #include "renderer/renderer.h"
+#include "tests/support/command_run.h"
 #include "tests/support/dataset_folder.h"
 
 namespace lumifield {
@@ -13,9 +13,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::Not;
-
-int no_window(int, char**, const WindowOptions&) { return 99; }
-Status no_chart(const Study&, const std::filesystem::path&) { return {}; }
 
 class RenderCommand : public support::TemporaryFolder {
  protected:
@@ -40,17 +37,12 @@ class RenderCommand : public support::TemporaryFolder {
     ASSERT_TRUE(write_exr({8, 4, std::vector<float>(96, 1.0F), std::vector<float>(32, 1.0F), {}}, folder_ / "sky.exr"));
   }
   void run(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {"lumifield", "render", "--luminaire", folder_ / "lamp.lumi", "--scene",
+    arguments.insert(arguments.begin(), {"render", "--luminaire", folder_ / "lamp.lumi", "--scene",
                                          folder_ / "scene.json", "--out", folder_ / "out.exr", "--size", "16x12"});
-    std::vector<char*> argv;
-    for (std::string& each : arguments) argv.push_back(each.data());
-    argv.push_back(nullptr);
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
-    const int code = run_command_line(static_cast<int>(arguments.size()), argv.data(), no_window, no_chart);
-    out = testing::internal::GetCapturedStdout();
-    error = testing::internal::GetCapturedStderr();
-    EXPECT_EQ(code, 0) << error;
+    const support::CommandRun ran = support::run_command(std::move(arguments));
+    out = ran.out;
+    error = ran.error;
+    EXPECT_EQ(ran.code, 0) << error;
   }
 
   std::string out, error;

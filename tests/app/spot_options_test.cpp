@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/cli/command_line.h"
 #include "luminaire/dataset.h"
 #include "renderer/renderer.h"
+#include "tests/support/command_run.h"
 #include "tests/support/dataset_folder.h"
 
 namespace lumifield {
@@ -16,22 +16,13 @@ using testing::HasSubstr;
 constexpr const char* scene = LUMIFIELD_SOURCE_DIR "/resources/scenes/corner/scene.json";
 constexpr int wrong_use = 2;
 
-int no_window(int, char**, const WindowOptions&) { return 99; }
-Status no_chart(const Study&, const std::filesystem::path&) { return {}; }
-
 class SpotOptions : public support::TemporaryFolder {
  protected:
   int run(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), "lumifield");
-    std::vector<char*> argv;
-    for (std::string& each : arguments) argv.push_back(each.data());
-    argv.push_back(nullptr);
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
-    const int code = run_command_line(static_cast<int>(arguments.size()), argv.data(), no_window, no_chart);
-    out = testing::internal::GetCapturedStdout();
-    error = testing::internal::GetCapturedStderr();
-    return code;
+    const support::CommandRun ran = support::run_command(std::move(arguments));
+    out = ran.out;
+    error = ran.error;
+    return ran.code;
   }
   nlohmann::json summary(const std::vector<std::string>& arguments) {
     EXPECT_EQ(run(arguments), 0) << error;
