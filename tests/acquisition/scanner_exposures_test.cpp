@@ -88,8 +88,9 @@ TEST_F(ScannerExposuresTest, DarkSetsHaveAllAndTheReferenceCellThePlans) {
   int exposed = 0;
   sink.on_progress = [&](const ScanProgress& progress) {
     if (progress.state == ScanState::delivering && progress.place == "dark set 1") exposed = camera.frames;
-    if (progress.state == ScanState::delivering && progress.place == "reference cell (1, 1)" && sink.cells.empty())
+    if (progress.state == ScanState::delivering && progress.place == "reference cell (1, 1)" && sink.cells.empty()) {
       EXPECT_EQ(camera.frames - exposed, 3);
+    }
   };
   ASSERT_TRUE(run(all_but({0, 0})));
   EXPECT_EQ(exposed, 8);

@@ -56,7 +56,7 @@ QStringList enabled(QWidget& panel) {
 }
 
 ScanProgress progress_of(int done) {
-  return {ScanState::exposing, done, 63, 0, CellIndex{3, 4}, "cell (3, 4)", 4000, 205};
+  return {ScanState::exposing, done, 63, 0, CellIndex{3, 4}, "cell (3, 4)", 4000, 205, {}};
 }
 
 TEST(ScanPanel, SaysHowFarAndWhatAndWhenItEnds) {
