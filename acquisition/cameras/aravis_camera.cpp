@@ -2,8 +2,10 @@
 
 #include <arv.h>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <optional>
+#include <thread>
 
 #include "acquisition/cameras/aravis_discovery.h"
 #include "acquisition/cameras/aravis_settings.h"
@@ -36,6 +38,8 @@ class AravisCamera final : public Camera {
 
  private:
   Status apply_exposure(double exposure_s);
+  Status start_stream();
+  Status pass_over_late_frames();
   Status check_alive();
   Status trigger();
   Status control_failure(const std::string& what, const GFault& fault);
@@ -92,10 +96,27 @@ Status AravisCamera::start() {
   applied_ = *applied;
   info_.sensor_width_px = applied_.width_px;
   info_.sensor_height_px = applied_.height_px;
+  return start_stream();
+}
+
+Status AravisCamera::start_stream() {
   Result<AravisStream> stream = AravisStream::start(camera_.get(), settings_, applied_);
   if (!stream) return tl::unexpected(stream.error());
   stream_.emplace(std::move(*stream));
   return {};
+}
+
+/// A frame that was due and never came is no answer to the next trigger, whenever it comes: the camera gives up its
+/// exposure, or has the time to end it, and what arrives for the stream that was goes nowhere.
+Status AravisCamera::pass_over_late_frames() {
+  stream_->drop_arrived();
+  if (stream_->frames_due() == 0) return {};
+  GFault fault;
+  arv_camera_stop_acquisition(camera_.get(), fault.out());
+  if (fault) return control_failure("a stop of the acquisition", fault);
+  std::this_thread::sleep_for(std::chrono::duration<double>(frame_time_s()));
+  stream_.reset();
+  return start_stream();
 }
 
 Status AravisCamera::check_alive() {
@@ -139,7 +160,7 @@ Status AravisCamera::trigger() {
 
 Result<RawImage> AravisCamera::expose(double exposure_s) {
   if (Status alive = check_alive(); !alive) return tl::unexpected(alive.error());
-  stream_->drop_stale(frame_time_s());
+  if (Status passed = pass_over_late_frames(); !passed) return tl::unexpected(passed.error());
   if (Status applied = apply_exposure(exposure_s); !applied) return tl::unexpected(applied.error());
 
   bool was_lost = false;

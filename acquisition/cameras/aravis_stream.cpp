@@ -47,10 +47,8 @@ AravisStream::Arrival AravisStream::next(double wait_s) {
   return arrival;
 }
 
-void AravisStream::drop_stale(double frame_time_s) {
-  while (ArvBuffer* const buffer = next_buffer(frames_due_ > 0 ? frame_time_s : 0))
-    arv_stream_push_buffer(stream_.get(), buffer);
-  frames_due_ = 0;
+void AravisStream::drop_arrived() {
+  while (ArvBuffer* const buffer = next_buffer(0)) arv_stream_push_buffer(stream_.get(), buffer);
 }
 
 /// The next new buffer, complete or not; null when none comes in `wait_s`.

@@ -27,11 +27,13 @@ class AravisStream {
 
   /// A trigger was sent: one more frame is due.
   void expect_frame() { ++frames_due_; }
+  /// Triggered, and not come yet. One of them may come at any time, as the answer to a later trigger: only another
+  /// stream, begun after the acquisition stood still, is safe from it.
+  int frames_due() const { return frames_due_; }
   /// The next new frame, waited for `wait_s`.
   Arrival next(double wait_s);
-  /// Passes over all frames so far. One that was due and never came may still be on its way, with another exposure than
-  /// the next: it is waited for `frame_time_s`.
-  void drop_stale(double frame_time_s);
+  /// Passes over all frames so far.
+  void drop_arrived();
 
  private:
   struct Unref {

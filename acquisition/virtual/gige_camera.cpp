@@ -30,7 +30,8 @@ using std::chrono::milliseconds;
 namespace registers {
 constexpr guint32 trigger_mode = 0x2000, trigger_source = 0x2004, trigger_software = 0x2008;
 constexpr guint32 exposure_time = 0x2010, gain = 0x2018, sensor_format = 0x2020;
-constexpr guint32 vendor = 0x48, model = 0x68, stream_packet_size = 0xd04;
+constexpr guint32 vendor = 0x48, model = 0x68, stream_packet_size = 0xd04,
+                  stream_port = 0xd00;
 }  // namespace registers
 constexpr guint32 name_bytes = 32, serial_bytes = 16;
 constexpr guint16 gvcp_port = 3956;
@@ -175,7 +176,9 @@ struct GigeCamera::Impl {
                                         std::chrono::duration<double, std::micro>(exposure_us));
     const Exposure exposure{
         .stage_mm = sight.stage_mm(), .exposure_s = exposure_us * 1e-6, .gain_db = get_double(registers::gain)};
+    const guint32 port = get(registers::stream_port);
     sight.wait_ready(exposure.stage_mm);
+    if (get(registers::stream_port) != port) return;
     while (Clock::now() < end) {
       if (stop.stop_requested() || !acquiring()) return;
       std::this_thread::sleep_until(std::min(end, Clock::now() + milliseconds(10)));

@@ -44,7 +44,7 @@ struct GigeCameraOptions {
 /// The stage position, exposure time and gain of a frame are those at the start of the exposure; a trigger during an
 /// exposure is ignored (TriggerOverlap Off), one during readout is kept. With TriggerMode Off exposures follow each
 /// other without a pause. The exposure is emulated by releasing the simulator's own trigger late, within a millisecond,
-/// so that GVCP is answered meanwhile. freeze() is thread-safe; destroying it takes up to 0.1 s.
+/// so that GVCP is answered meanwhile. An exposure ends without a frame when its acquisition or its stream does. freeze() is thread-safe; destroying it takes up to 0.1 s.
 class GigeCamera {
  public:
   /// Errors: address held by another program, address of no interface here, pixel format unknown, serial too long.

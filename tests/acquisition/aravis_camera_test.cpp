@@ -1,18 +1,22 @@
 #include "acquisition/cameras/aravis_camera.h"
 
+#include <algorithm>
 #include <arpa/inet.h>
 #include <array>
 #include <arv.h>
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <memory>
 #include <netinet/in.h>
+#include <thread>
 #include <unistd.h>
 
 #include "acquisition/cameras/pixel_layout.h"
+#include "acquisition/virtual/gige_camera.h"
 #include "tests/support/own_network.h"
 
 namespace lumifield {
@@ -241,6 +245,33 @@ TEST_F(AravisCamera, LateFramesNeverPassForLaterOnes) {
     const Result<RawImage> image = camera->expose(exposure_us * 1e-6);
     ASSERT_TRUE(image) << image.error().message();
     expect_frame(*image, server.frames(), exposure_us);
+  }
+}
+
+TEST_F(AravisCamera, AFrameGivenUpIsNoAnswerToALaterTrigger) {
+  // Each photosite tells the stage's x at the start of its exposure. The image of the first place takes 1.5 s.
+  std::atomic<int> x = 1;
+  auto server = virtual_bench::GigeCamera::start(
+      {}, {.stage_mm = [&] { return Vec2(x, 0); },
+           .wait_ready =
+               [](const Vec2& at) {
+                 if (at.x() == 1) std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+               },
+           .expose =
+               [](const virtual_bench::Exposure& exposure, std::span<std::uint16_t> dn) {
+                 std::ranges::fill(dn, static_cast<std::uint16_t>(exposure.stage_mm.x()));
+               }});
+  ASSERT_TRUE(server) << server.error().message();
+  const auto camera = open(settings("Mono12"));
+  ASSERT_NE(camera, nullptr);
+  ASSERT_FALSE(camera->expose(0.001));
+  x = 2;
+  for (int frames = 0, tries = 0; frames < 3; ++tries) {
+    ASSERT_LT(tries, 50);
+    const Result<RawImage> image = camera->expose(0.001);
+    if (!image) continue;  // still busy with what it was asked before
+    ASSERT_EQ(image->dn.front(), 2) << "of the place that was left";
+    ++frames;
   }
 }
 
