@@ -29,7 +29,8 @@ struct ScanRequest {
   bool resume = false;
   std::vector<CellIndex> retake;  ///< with `resume`: cells to take again beside those that are missing
   bool attended = false;          ///< somebody answers: a trouble pauses the scan in place of ending it
-  bool accept_drift = false;      ///< with `resume`: the drift read first is known, only further drift is a trouble
+  bool accept_drift = false;      ///< the drift read first and a lamp that does not become steady are known: only
+                                  ///< further drift is a trouble
   std::string name;               ///< of the luminaire; empty = the folder's stem
   std::optional<Scene> preview;
   int preview_width_px = 1024, preview_height_px = 768;
@@ -53,6 +54,10 @@ struct ScanSummary {
   bool nothing_left() const { return cells_before == coverage.total; }
   StageTimes times;
   std::vector<ReferenceReading> references;
+  /// How the wait for a steady lamp ended; empty where the plan asks for none.
+  std::optional<StabilisationEnd> stabilised() const {
+    return references.empty() ? std::nullopt : references.front().stabilised;
+  }
   int frames_retaken = 0, cameras_lost = 0;
   int cells_with_warnings = 0;
   int cells_adapted = 0;  ///< with exposures beyond the plan's

@@ -19,6 +19,8 @@ QString words(ScanState state, const QString& place) {
       return "Letting the stage settle, " + place;
     case ScanState::exposing:
       return "Exposing, " + place;
+    case ScanState::stabilising:
+      return "Waiting for a steady lamp, " + place;
     case ScanState::delivering:
       return "Handing on " + place;
     case ScanState::parking:
@@ -39,20 +41,27 @@ QString words(ScanState state, const QString& place) {
   return {};
 }
 
+QString words(const ScanProgress& progress) {
+  const auto& lamp = progress.stabilisation;
+  if (!lamp) return words(progress.state, QString::fromStdString(progress.place));
+  const auto percent = [](double share) { return QString::number(100 * share, 'f', 2) + " %"; };
+  return QString("Waiting for a steady lamp: %1 DN/s, spread %2 of %3 allowed, at most %4 more")
+      .arg(lamp->signal_dn_per_s, 0, 'f', 0)
+      .arg(lamp->spread ? percent(*lamp->spread) : "—", percent(lamp->within), duration_text(lamp->left_s));
+}
+
 }  // namespace
 
 QString bench_words(ScanActivity activity, const ScanProgress& progress) {
-  const QString place = QString::fromStdString(progress.place);
   switch (activity) {
     case ScanActivity::idle:
       return "No scan is running";
     case ScanActivity::starting:
-      return progress.state == ScanState::idle ? "Starting: checking plan, bench and devices"
-                                               : words(progress.state, place);
+      return progress.state == ScanState::idle ? "Starting: checking plan, bench and devices" : words(progress);
     case ScanActivity::running:
-      return words(progress.state, place);
+      return words(progress);
     case ScanActivity::pausing:
-      return "Pausing after this step: " + words(progress.state, place);
+      return "Pausing after this step: " + words(progress);
     case ScanActivity::paused:
       return progress.trouble.empty() ? "Paused; the reference cell is read first when the scan goes on"
                                       : "Paused: " + QString::fromStdString(progress.trouble);

@@ -41,6 +41,27 @@ TEST(ScanReport, ProgressNamesTheCellsThatWereThere) {
   EXPECT_THAT(progress_text(progress(ScanState::stopped, 21, 0)), HasSubstr("21 of 63 cells, stopped after 1:15"));
 }
 
+TEST(ScanReport, TellsHowSteadyTheLampIs) {
+  ScanProgress p = progress(ScanState::stabilising, 0, 0);
+  p.stabilisation = {12345.6, std::nullopt, 0.005, 1800, 1800};
+  EXPECT_THAT(progress_text(p),
+              HasSubstr("0 of 63 cells, lamp at 12346 DN/s, spread — of 0.50 % allowed, 30:00 left at most, stabil"));
+  std::vector<ScanProgress> reports{p, p};
+  p.stabilisation->spread = 0.0123;
+  p.stabilisation->left_s = 1500;
+  reports.push_back(p);
+  ScanSummary ended = summary(0);
+  ended.references.push_back({});
+  ended.references.back().stabilised = StabilisationEnd{400, 0.0041, true};
+  const std::string text = printed(reports, ended);
+  EXPECT_EQ(std::ranges::count(text, '\n'), 3) << text;  // the first, one for the next tenth of the time, the end
+  EXPECT_THAT(text, HasSubstr("spread 1.23 % of 0.50 % allowed, 25:00 left"));
+  EXPECT_THAT(summary_text(ended), HasSubstr("lamp      steady after 6:40: spread 0.41 %"));
+  EXPECT_EQ(nlohmann::json::parse(summary_json(ended))["stabilisation"]["watched_s"], 400);
+  ended.references.back().stabilised->steady = false;
+  EXPECT_THAT(summary_text(ended), HasSubstr("NOT STEADY after 6:40"));
+}
+
 TEST(ScanReport, TheLastLineSaysDone) {
   const std::string text = printed(
       {progress(ScanState::moving, 62, 0), progress(ScanState::moving, 63, 0), progress(ScanState::done, 63, 0)},

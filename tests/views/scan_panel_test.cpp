@@ -76,6 +76,17 @@ TEST(ScanPanel, SaysHowFarAndWhatAndWhenItEnds) {
   EXPECT_EQ(figure_text(panel, "Drift"), "+2.00 % ⚠");
 }
 
+TEST(ScanPanel, SaysHowSteadyTheLampIs) {
+  ScanPanel panel;
+  panel.set_activity(starting);
+  panel.set_activity(running);
+  ScanProgress progress = progress_of(0);
+  progress.stabilisation = {12345.6, 0.0123, 0.005, 1750, 1800};
+  panel.set_progress(progress);
+  EXPECT_TRUE(
+      has_text(panel, "Waiting for a steady lamp: 12346 DN/s, spread 1.23 % of 0.50 % allowed, at most 29:10 more"));
+}
+
 TEST(ScanPanel, TheClockGoesOnBetweenTwoWordsButNotInAPause) {
   QDateTime now(QDate(2024, 5, 7), QTime(12, 0, 0));
   ScanPanel panel(nullptr, [&] { return now; });
