@@ -68,6 +68,15 @@ std::string done_text(const ScanSummary& s) {
   return cells + there_before(s.cells_before) + ", done in " + minutes_text(s.timing.total_s);
 }
 
+std::string prediction_line(const ScanPrediction& scan) {
+  std::string text = format("%d cells, about %s", scan.cells, minutes_text(scan.time_s).c_str());
+  if (scan.stabilisation_s > 0)
+    text += format(" once the lamp is steady (%s at most)", minutes_text(scan.stabilisation_s).c_str());
+  text += format(", up to %.1f MB", scan.bytes / 1e6);
+  if (scan.free_bytes) text += format(" of %.1f MB that are free", *scan.free_bytes / 1e6);
+  return text + (scan.has_room() ? "" : ": TOO LITTLE ROOM, free some");
+}
+
 void ProgressLine::show(const ScanProgress& progress) {
   if (progress.state == ScanState::done) return;
   const int tenth = progress.cells_total > 0 ? 10 * progress.cells_done / progress.cells_total : 0;
@@ -108,6 +117,14 @@ std::string summary_text(const ScanSummary& s) {
   return text;
 }
 
+nlohmann::ordered_json prediction_json(const ScanPrediction& scan) {
+  nlohmann::ordered_json json{{"cells", scan.cells}, {"predicted_s", scan.time_s}, {"bytes", scan.bytes}};
+  if (scan.stabilisation_s > 0) json["stabilisation_s"] = scan.stabilisation_s;
+  if (scan.free_bytes) json["free_bytes"] = *scan.free_bytes;
+  json["room"] = scan.has_room();
+  return json;
+}
+
 std::string summary_json(const ScanSummary& s) {
   const ScanTiming& t = s.timing;
   nlohmann::ordered_json json;
@@ -121,6 +138,7 @@ std::string summary_json(const ScanSummary& s) {
                       {"exposure", t.exposure_s}, {"readout", t.readout_s}, {"waiting", t.waiting_s},
                       {"other", t.other_s},       {"lost", t.lost_s}};
   json["idle_share"] = t.idle_share();
+  if (const auto& scan = s.prediction) json["prediction"] = prediction_json(*scan);
   json["median_s"] = {{"develop", median(s.times.develop_s)},
                       {"store", median(s.times.store_s)},
                       {"render", median(s.times.render_s)},

@@ -13,6 +13,7 @@
 #include "app/session/bench_devices.h"
 #include "app/session/bench_view.h"
 #include "app/session/bounded_queue.h"
+#include "app/session/prediction.h"
 #include "luminaire/bench.h"
 #include "luminaire/dataset.h"
 #include "luminaire/plan.h"
@@ -50,6 +51,7 @@ struct ScanSummary {
   Coverage coverage;
   int cells_before = 0;  ///< of coverage.measured: there before this scan
   ScanTiming timing;
+  std::optional<ScanPrediction> prediction;  ///< as it was told before the first cell
   /// A resumed dataset was complete already: no device was opened.
   bool nothing_left() const { return cells_before == coverage.total; }
   StageTimes times;
@@ -76,7 +78,8 @@ struct PictureMade {
 struct Notice {
   std::string text;
 };
-using SessionEvent = std::variant<ScanProgress, CellStored, ReferenceReading, PictureMade, Notice>;
+/// ScanPrediction comes once, when the devices are open.
+using SessionEvent = std::variant<ScanPrediction, ScanProgress, CellStored, ReferenceReading, PictureMade, Notice>;
 
 /// One scan from photons to a durable dataset and a picture: four threads, joined by bounded queues.
 ///

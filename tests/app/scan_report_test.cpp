@@ -62,6 +62,24 @@ TEST(ScanReport, TellsHowSteadyTheLampIs) {
   EXPECT_THAT(summary_text(ended), HasSubstr("NOT STEADY after 6:40"));
 }
 
+TEST(ScanReport, PredictsTimeAndRoom) {
+  ScanPrediction scan{20, 75, 0, 3.6e6, 8e9};
+  EXPECT_EQ(prediction_line(scan), "20 cells, about 1:15, up to 3.6 MB of 8000.0 MB that are free");
+  scan.stabilisation_s = 1800;
+  scan.free_bytes = 1e6;
+  EXPECT_EQ(prediction_line(scan),
+            "20 cells, about 1:15 once the lamp is steady (30:00 at most), up to 3.6 MB of 1.0 MB that are free: TOO "
+            "LITTLE ROOM, free some");
+  ScanSummary ended = summary(0);
+  ended.prediction = scan;
+  const auto json = nlohmann::json::parse(summary_json(ended))["prediction"];
+  EXPECT_EQ(json["predicted_s"], 75);
+  EXPECT_EQ(json["bytes"], 3.6e6);
+  EXPECT_EQ(json["room"], false);
+  scan.free_bytes.reset();
+  EXPECT_THAT(prediction_line(scan), testing::EndsWith("up to 3.6 MB"));
+}
+
 TEST(ScanReport, TheLastLineSaysDone) {
   const std::string text = printed(
       {progress(ScanState::moving, 62, 0), progress(ScanState::moving, 63, 0), progress(ScanState::done, 63, 0)},
