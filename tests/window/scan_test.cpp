@@ -90,6 +90,12 @@ TEST_F(WindowTest, RehearsesBeforeTheScan) {
   press(controls().stop_action());
   ASSERT_TRUE(wait_for([&] { return rehearsed.count() == 2; }));
   EXPECT_EQ(rehearsed[1][0].toString(), "The rehearsal was stopped.");
+
+  // Closing the window ends it without a question.
+  press(controls().rehearse_action());
+  window->close();
+  ASSERT_TRUE(wait_for([&] { return !window->isVisible(); }));
+  EXPECT_EQ(activity(), ScanActivity::idle);
   EXPECT_FALSE(QFileInfo::exists(folder("lamp.lumi")));
 }
 
