@@ -32,6 +32,18 @@ std::optional<ExposureLimits> read_exposure_limits(const JsonValue& at, const st
   return ExposureLimits{ends[0], ends[1]};
 }
 
+std::optional<Stabilisation> read_stabilisation(const JsonValue& at) {
+  if (!at.present()) at.note_default("null, the scan does not wait for a steady lamp");
+  if (!at.present() || at.is_null()) return std::nullopt;
+  Stabilisation s;
+  s.within = at["within"].number({0, 1, true});
+  s.over_s = at["over_s"].number({shortest_stabilisation_s, longest_stabilisation_s});
+  s.limit_s = at["limit_s"].number({0, longest_stabilisation_s});
+  if (s.within == 1) at["within"].refuse("is no spread of a steady lamp", "give a share below 1, for example 0.005");
+  if (s.limit_s < s.over_s) at["limit_s"].refuse("is shorter than over_s", "allow at least the time that is watched");
+  return s;
+}
+
 ReferenceCell read_reference(const JsonValue& at, int columns, int rows) {
   ReferenceCell r;
   r.cell.row = at["row"].integer(0, rows - 1);
@@ -72,6 +84,7 @@ Result<Plan> parse_plan(std::string_view json, std::string_view name, std::vecto
   p.dark_every_cells = root["dark_every_cells"].integer_or(p.dark_every_cells, 0, most_cells);
   p.reference = read_reference(root["reference_cell"], p.columns, p.rows);
   p.warm_up_s = root["warm_up_s"].number_or(p.warm_up_s, {0, 1e6});
+  p.stabilisation = read_stabilisation(root["stabilisation"]);
   p.limits = read_limits(root["limits"]);
   if (Status ok = document->finish(notes, kind); !ok) return tl::unexpected(ok.error());
   return p;
@@ -105,6 +118,9 @@ std::string to_json(const Plan& p) {
                             {"every", p.reference.every},
                             {"limit", p.reference.limit}};
   json["warm_up_s"] = p.warm_up_s;
+  json["stabilisation"] = nullptr;
+  if (const auto& s = p.stabilisation)
+    json["stabilisation"] = {{"within", s->within}, {"over_s", s->over_s}, {"limit_s", s->limit_s}};
   json["limits"] = {{"saturated_share", p.limits.saturated_share}, {"median_snr", p.limits.median_snr}};
   return json_file_text(json);
 }

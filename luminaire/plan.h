@@ -32,6 +32,15 @@ struct ExposureLimits {
   double shortest_s = 0, longest_s = 0;
 };
 
+/// When a lamp counts as steady: its readings over the last `over_s` spread by no more than `within`, (largest −
+/// smallest)/smallest. CIE S 025 asks for 0.005 over 900 s.
+struct Stabilisation {
+  double within = 0;   ///< 0 < within < 1
+  double over_s = 0;   ///< 1 s … 1 day
+  double limit_s = 0;  ///< the longest wait, over_s … 1 day
+};
+inline constexpr double longest_stabilisation_s = 86'400, shortest_stabilisation_s = 1;
+
 /// The plan file ("format": "lumifield-plan", version 1): what to scan and how carefully. Value type.
 struct Plan {
   std::string name;
@@ -48,6 +57,9 @@ struct Plan {
   int dark_every_cells = 0;  ///< 0 = one dark set, at the start
   ReferenceCell reference;
   double warm_up_s = 0;
+  /// After the warm-up the reference cell is watched until the lamp is steady, before the first cell; absent: it is
+  /// not.
+  std::optional<Stabilisation> stabilisation;
   QualityLimits limits;
 };
 

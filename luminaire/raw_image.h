@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,8 @@ namespace lumifield {
 /// Colour filter of each photosite; RGGB: even row even column R, even row odd column G, odd row odd column B.
 enum class SensorPattern { mono, rggb, grbg, gbrg, bggr };
 
-/// One complete frame as the sensor gave it. Only complete frames become one. Row-major, top row first, DN right-aligned
-/// in 16 bits. Value type, moved.
+/// One complete frame as the sensor gave it. Only complete frames become one. Row-major, top row first, DN
+/// right-aligned in 16 bits. Value type, moved.
 struct RawImage {
   int width_px = 0, height_px = 0;
   int bits = 12;
@@ -54,12 +55,20 @@ struct RawCell {
   double reference_dn_per_s = std::numeric_limits<double>::quiet_NaN();  ///< the first reading; NaN = none was taken
 };
 
+/// How the lamp's stabilisation ended (Plan::stabilisation).
+struct StabilisationEnd {
+  double watched_s = 0;
+  double spread = 0;    ///< of the last readings, (largest − smallest)/smallest
+  bool steady = false;  ///< false: the operator went on without
+};
+
 /// One visit to the reference cell.
 struct ReferenceReading {
   int cells_done = 0;
   double signal_dn_per_s = 0;  ///< mean dark-subtracted DN/s of the chosen exposure of the first pass
   double drift = 0;            ///< against the first reading of the scan, or of the dataset that it resumes
   double exposure_s = 0;       ///< the chosen one
+  std::optional<StabilisationEnd> stabilised = {};  ///< before it; of the first reading of a scan that waited
 };
 
 }  // namespace lumifield

@@ -57,6 +57,20 @@ Status check_times(const Plan& plan) {
   return {};
 }
 
+Status check_stabilisation(const Plan& plan) {
+  if (!plan.stabilisation) return {};
+  const auto [within, over_s, limit_s] = *plan.stabilisation;
+  if (!(within > 0 && within < 1))
+    return fail("a spread of " + say(within) + " is none of a steady lamp", "plan: stabilisation.within",
+                "give a share above 0 and below 1, for example 0.005");
+  if (!(over_s >= shortest_stabilisation_s && limit_s >= over_s && limit_s <= longest_stabilisation_s))
+    return fail("watching over " + say(over_s) + " s within " + say(limit_s) + " s is not possible",
+                "plan: stabilisation.over_s, limit_s",
+                "watch over at least " + say(shortest_stabilisation_s) +
+                    " s, and allow at least that time and at most " + say(longest_stabilisation_s) + " s");
+  return {};
+}
+
 Status check_exposure_limits(const Plan& plan) {
   if (!plan.exposure_limits_s) return {};
   const char* where = "plan: exposure_limits_s";
@@ -165,6 +179,7 @@ GridSize needed_grid(const Bench& bench, const Plan& plan) {
 Status check_rules(const Bench& bench, const Plan& plan) {
   if (Status status = check_grid(plan); !status) return status;
   if (Status status = check_times(plan); !status) return status;
+  if (Status status = check_stabilisation(plan); !status) return status;
   if (Status status = check_exposure_limits(plan); !status) return status;
   if (Status status = check_bench_numbers(bench); !status) return status;
   if (Status status = check_scales(bench.filter); !status) return status;

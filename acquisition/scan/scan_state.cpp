@@ -14,6 +14,8 @@ std::string_view to_string(ScanState state) {
       return "settling";
     case ScanState::exposing:
       return "exposing";
+    case ScanState::stabilising:
+      return "stabilising";
     case ScanState::delivering:
       return "delivering";
     case ScanState::reconnecting:
@@ -46,7 +48,9 @@ bool can_follow(ScanState from, ScanState to) {
     case settling:
       return to == moving || to == exposing || to == paused || to == parking;
     case exposing:
-      return to == moving || to == delivering || to == reconnecting || to == paused || to == parking;
+      return to == moving || to == stabilising || to == delivering || to == reconnecting || to == paused ||
+             to == parking;
+    case stabilising:
     case delivering:
       return to == moving || to == paused || to == parking;
     case reconnecting:

@@ -13,6 +13,8 @@ namespace lumifield {
 ///     idle, homing, delivering → paused   between two steps, on the operator's word; → moving or parking after it
 ///     exposing, delivering → moving       the home switches are looked for; → homing when steps were lost, else goes
 ///                                         on: → moving, delivering, paused or parking
+///     exposing → stabilising → moving     the lamp is not steady yet: the reference cell is read again after a while;
+///                                         → moving too when it is
 ///     exposing → reconnecting → moving    the camera was gone and is back: the step is taken again
 ///     any of a step → paused              a trouble that the operator has to help with; → homing, reconnecting or
 ///                                         moving after it
@@ -27,6 +29,7 @@ enum class ScanState {
   moving,
   settling,
   exposing,
+  stabilising,
   delivering,
   reconnecting,
   paused,

@@ -120,6 +120,7 @@ Status Scanner::take(const DarkStep& step) {
 Status Scanner::take(const ReferenceStep& step) {
   const std::string place = "reference cell " + to_string(plan_.reference.cell);
   work_on(place);
+  if (Status steady = stabilise(step, place); !steady) return steady;
   Result<Standing> lit = bracket_at(step.stage_mm, place, Exposures::plan);
   if (!lit) return tl::unexpected(std::move(lit).error());
   // All drift refers to the first reading.
@@ -128,6 +129,7 @@ Status Scanner::take(const ReferenceStep& step) {
   const std::span<const RawImage> dark = std::span(dark_->bracket).subspan(ladder_.plan_begin, lit->bracket.size());
   Result<ReferenceReading> reading = drift_.read(lit->bracket, dark, bench_.sensor.saturation_dn, step.cells_done);
   if (!reading) return blame(Culprit::lamp, place, std::move(reading).error());
+  reading->stabilised = std::exchange(stabilised_, std::nullopt);
   reference_read_ = true;
   reference_due_ = false;
   enter(ScanState::delivering);

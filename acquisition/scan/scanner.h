@@ -10,6 +10,7 @@
 #include "acquisition/scan/bench_clock.h"
 #include "acquisition/scan/device_recovery.h"
 #include "acquisition/scan/exposure_ladder.h"
+#include "acquisition/scan/lamp_stability.h"
 #include "acquisition/scan/motion_time.h"
 #include "acquisition/scan/reference_drift.h"
 #include "acquisition/scan/scan_control.h"
@@ -18,6 +19,14 @@
 #include "acquisition/stage.h"
 
 namespace lumifield {
+
+/// How far the lamp's stabilisation is.
+struct StabilisationProgress {
+  double signal_dn_per_s = 0;      ///< the last reading of the reference cell
+  std::optional<double> spread;    ///< of the readings over the last Stabilisation::over_s; absent before the second
+  double within = 0;               ///< the spread that is allowed
+  double left_s = 0, limit_s = 0;  ///< at most; of that much
+};
 
 struct ScanProgress {
   ScanState state = ScanState::idle;
@@ -28,12 +37,13 @@ struct ScanProgress {
   double elapsed_s = 0, left_s = 0;
   std::string
       trouble;  ///< in a pause: why the scan cannot go on by itself, and what to do; empty when it was asked for
+  std::optional<StabilisationProgress> stabilisation = {};  ///< while the lamp is watched, from the first reading on
 };
 
 /// Where the scan's time went. Everything but move, settle, exposure and readout is idle time of the bench.
 struct ScanTiming {
   double move_s = 0;      ///< homing and parking too
-  double settle_s = 0;    ///< the warm-up too
+  double settle_s = 0;    ///< the warm-up too, and the time between readings while the lamp is watched
   double exposure_s = 0;  ///< sum of the exposure times, as the camera reports them
   double readout_s = 0;   ///< the rest of each frame, up to bench.camera.readout_s
   double waiting_s = 0;   ///< in ScanSink::cell
@@ -68,6 +78,11 @@ class ScanSink {
 /// its drift is recorded and handed on; a dark set opens every block of cells, the first one after the warm-up. A cell
 /// is handed on as soon as its last pass is exposed, and the stage moves on at once. At the end and after a device
 /// error the stage is parked behind the opaque patch; at a stop it is halted and stays.
+///
+/// Stabilisation. With Plan::stabilisation the reference cell is read again and again before its first reading counts,
+/// ten times within over_s where it takes no longer, until the lamp is steady (LampStability). After a trouble and a
+/// pause the watch begins anew. A lamp that is not steady within limit_s is a trouble, its `kind` is waiting; on the
+/// operator's word, or with accept_drift, the scan goes on without, and the reading records it.
 ///
 /// Exposures. The reference cell is taken with the plan's, dark sets with the whole ExposureLadder, so that every frame
 /// has its dark frame. Each pass of a cell begins with the plan's: while its shortest frame is_saturated by more than
@@ -108,8 +123,12 @@ class Scanner {
   /// `run`; `recovery` outlives the scanner.
   void recover_with(DeviceRecovery& recovery) { recovery_ = &recovery; }
 
-  /// The operator knows of the drift that is read first, whatever it is. Before `run`.
-  void accept_drift() { drift_seen_.reset(); }
+  /// The operator knows of the drift that is read first, whatever it is, and of a lamp that does not become steady.
+  /// Before `run`.
+  void accept_drift() {
+    drift_seen_.reset();
+    accepts_unsteady_ = true;
+  }
 
   /// Runs all steps. Legal once, in state idle; refused in any other state. `stop` is the operator's; `abandon` tells
   /// that nobody takes the cells any more: the scan ends as after a device error, parked.
@@ -131,7 +150,7 @@ class Scanner {
     double position_error_mm;
   };
 
-  enum class Culprit { none, camera, stage, slip, lamp };  ///< slip: of a stage that answers
+  enum class Culprit { none, camera, stage, slip, lamp, unsteady_lamp };  ///< slip: of a stage that answers
   enum class Exposures { plan, ladder, adapted };
 
   Camera& camera() { return recovery_ ? recovery_->camera() : camera_; }
@@ -152,6 +171,10 @@ class Scanner {
   void tell_unchecked();
   Status read_reference();
   Status check_drift(const ReferenceReading& reading, const std::string& place);
+  Status stabilise(const ReferenceStep& step, const std::string& place);
+  Status watch_lamp(const ReferenceStep& step, const std::string& place);
+  Status judge(const LampStability& lamp, double watched_s, const std::string& place);
+  Result<double> reference_signal(const ReferenceStep& step, const std::string& place);
   Status take(const DarkStep& step);
   Status take(const ReferenceStep& step);
   Status take(const CellStep& step);
@@ -205,6 +228,10 @@ class Scanner {
   std::optional<double> drift_seen_ = 0;  ///< by the operator; absent, the one read next
   Vec2 stands_mm_{0, 0};                  ///< read back last
   std::optional<Vec2> came_to_mm_;        ///< the target of the last move, when nothing has come between
+
+  bool accepts_unsteady_ = false;
+  std::optional<StabilisationEnd> stabilised_;  ///< until the reading that records it
+  bool stabilisation_due_ = true;               ///< before the reference cell is read, if the plan asks for it
 };
 
 }  // namespace lumifield

@@ -110,6 +110,10 @@ Status Scanner::await_operator() {
 
 Status Scanner::bring_back(Culprit culprit, const Error& error) {
   if (culprit == Culprit::lamp) drift_seen_ = drift_.drift();
+  if (culprit == Culprit::unsteady_lamp) {
+    stabilisation_due_ = false;
+    return {};
+  }
   if (culprit == Culprit::slip) return home_again();
   if (!recovery_ || culprit == Culprit::lamp) return {};
   if (culprit == Culprit::camera) return reconnect(error);

@@ -118,6 +118,8 @@ KnobPanel make_knobs(Devices& bench) {
       {"frozen_camera", fault("0|1", [&](double value) { bench.camera ? bench.camera->freeze(value != 0) : void(); })},
       {"camera_off", {"0|1", [&](double value) { return switch_camera(bench, value != 0); }, {}}},
       {"frames", {"read only", {}, [&] { return std::to_string(bench.camera ? bench.camera->frames_sent() : 0); }}},
+      {"lamp_light",
+       {"read only, 1 without drift and warm-up", {}, [&] { return std::to_string(bench.world->light()); }}},
       {"worst_off",
        {"read only, mm: farthest that the stage truly stood from its reading in an exposure since last read",
         {},
@@ -129,7 +131,9 @@ KnobPanel make_knobs(Devices& bench) {
   for (const auto& [name, values] : {std::pair{"noise", "0|1"},
                                      {"optics", "0|1"},
                                      {"filter", "0|1, 0: no slide"},
-                                     {"lamp_drift", "relative change per hour"}})
+                                     {"lamp_drift", "relative change per hour"},
+                                     {"lamp_warm_up", "relative excess of its light, from now on fading"},
+                                     {"lamp_warm_up_s", "time constant of that, from now on"}})
     knobs[name] = {values, [&bench, name = name](double value) { return bench.world->set(name, value); }, {}};
   return knobs;
 }

@@ -165,11 +165,10 @@ void World::expose(const Vec2& stage_mm, double exposure_s, double gain_db, int 
                    int offset_x_px, int offset_y_px, std::span<std::uint16_t> dn) {
   const auto [view, frame] = wait(stage_mm);
   Photosites::Exposure exposure{{view.x_um, view.y_um}, exposure_s, gain_db, true, 1};
+  exposure.light = light();
   {
     const std::scoped_lock lock(mutex_);
-    const double hours = std::chrono::duration<double>(Clock::now() - drift_start_).count() / 3600;
     exposure.noise = noise_;
-    exposure.light = std::max(0.0, 1 + drift_per_hour_ * hours);
   }
   // Photosites of the region that the sensor has; others read 0.
   std::fill(dn.begin(), dn.end(), std::uint16_t{0});
@@ -183,6 +182,15 @@ void World::expose(const Vec2& stage_mm, double exposure_s, double gain_db, int 
   }
 }
 
+double World::light() {
+  const auto since = [now = Clock::now()](Clock::time_point then) {
+    return std::chrono::duration<double>(now - then).count();
+  };
+  const std::scoped_lock lock(mutex_);
+  const double drifted = 1 + drift_per_hour_ * since(drift_start_) / 3600;
+  return std::max(0.0, drifted * (1 + warm_up_ * std::exp(-since(switched_on_) / warm_up_s_)));
+}
+
 Status World::set(const std::string& knob, double value) {
   const std::scoped_lock lock(mutex_);
   const std::map<std::string, bool*> switches{{"noise", &noise_}, {"optics", &optics_}, {"filter", &filter_}};
@@ -191,9 +199,17 @@ Status World::set(const std::string& knob, double value) {
   } else if (knob == "lamp_drift" && std::isfinite(value)) {
     drift_per_hour_ = value;
     drift_start_ = Clock::now();
+  } else if (knob == "lamp_warm_up" && value >= -1 && std::isfinite(value)) {
+    warm_up_ = value;
+    switched_on_ = Clock::now();
+  } else if (knob == "lamp_warm_up_s" && value > 0 && std::isfinite(value)) {
+    warm_up_s_ = value;
+    switched_on_ = Clock::now();
   } else {
     return fail("no knob \"" + knob + "\" that takes " + std::to_string(value), "virtual bench",
-                "use noise, optics or filter 0|1, or lamp_drift <relative change per hour>");
+                "use noise, optics or filter 0|1, lamp_drift <relative change per hour>, lamp_warm_up <relative excess "
+                "at first, -1 "
+                "or more> or lamp_warm_up_s <its time constant, s>");
   }
   return {};
 }

@@ -58,8 +58,12 @@ class World {
               int offset_y_px, std::span<std::uint16_t> dn);
 
   /// Knobs that act from the next image on, whatever the bench file says: noise 0|1, optics 0|1, filter 0|1 (0: no
-  /// slide before the lamp), lamp_drift (relative change of the lamp per hour).
+  /// slide before the lamp), lamp_drift (relative change of the lamp per hour), lamp_warm_up (relative excess of its
+  /// light when it is switched on, which is now; it fades with the time constant lamp_warm_up_s, 10 s at first).
   Status set(const std::string& knob, double value);
+
+  /// The lamp's light now, 1 without drift and warm-up.
+  double light();
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -92,8 +96,8 @@ class World {
   std::deque<View> wanted_;
   std::deque<std::pair<View, Frame>> frames_;
   bool noise_, optics_, filter_ = true;
-  double drift_per_hour_ = 0;
-  Clock::time_point drift_start_ = Clock::now();
+  double drift_per_hour_ = 0, warm_up_ = 0, warm_up_s_ = 10;
+  Clock::time_point drift_start_ = Clock::now(), switched_on_ = Clock::now();
   std::jthread worker_;  // the last, so that it ends before what it uses
 };
 

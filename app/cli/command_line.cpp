@@ -123,7 +123,8 @@ void add_scan(CLI::App& app, ScanOptions& o) {
   scan->add_option("--out", o.out, "Dataset folder to make, NAME.lumi")->required();
   scan->add_flag("--resume", o.resume, "Go on with a dataset that is there");
   scan->add_flag("--accept-drift", o.accept_drift,
-                 "The drift of the reference cell that is read first is known: only further drift ends the scan");
+                 "The drift of the reference cell that is read first is known, and so is a lamp that does not become "
+                 "steady: only further drift ends the scan");
   scan->add_option("--preview", o.preview, "Scene file: pictures of it are made after 5, 50 and 100 % of the cells");
   scan->add_option("--pictures", o.pictures, "Folder for these pictures (default: beside the dataset)");
   scan->add_option("--size", o.size, "Size of these pictures")->check(picture_size())->capture_default_str();

@@ -27,8 +27,6 @@ Result<RehearsalRequest> make_request(const RehearseOptions& options) {
   return request;
 }
 
-bool has_room(const Rehearsal& told) { return !told.free_bytes || *told.free_bytes >= told.scan_bytes; }
-
 nlohmann::ordered_json json_of(const Rehearsal& told) {
   nlohmann::ordered_json json;
   json["camera"] = told.camera;
@@ -43,9 +41,7 @@ nlohmann::ordered_json json_of(const Rehearsal& told) {
                        {"position_error_mm", told.quality.position_error_mm},
                        {"warnings", told.quality.warnings}};
   json["reference_dn_per_s"] = told.signal_dn_per_s;
-  json["scan"] = {{"cells", told.cells}, {"predicted_s", told.scan_s}, {"bytes", told.scan_bytes}};
-  if (told.free_bytes) json["free_bytes"] = *told.free_bytes;
-  json["room"] = has_room(told);
+  json["scan"] = prediction_json(told.scan);
   return json;
 }
 
@@ -63,10 +59,7 @@ std::string words(const Rehearsal& told) {
                  100 * told.brightest_share, 100 * q.saturated_share, 100 * q.starved_share, q.median_snr);
   for (const std::string& warning : q.warnings) text += "            " + warning + "\n";
   text += format("  reference %.0f DN/s\n", told.signal_dn_per_s);
-  text += format("  the scan  %d cells, %s, up to %.1f MB", told.cells, minutes_text(told.scan_s).c_str(),
-                 told.scan_bytes / 1e6);
-  if (told.free_bytes) text += format(" of %.1f MB that are free", *told.free_bytes / 1e6);
-  return text + (has_room(told) ? "\n" : ": TOO LITTLE ROOM\n");
+  return text + "  the scan  " + prediction_line(told.scan) + "\n";
 }
 
 }  // namespace
@@ -85,7 +78,7 @@ int run_rehearse(const RehearseOptions& options) {
   line.end();
   if (!told) return report_error(told.error(), options.json);
   std::fputs((options.json ? dump_json(json_of(*told)) + "\n" : words(*told)).c_str(), stdout);
-  return has_room(*told) ? exit_done : exit_failed;
+  return told->scan.has_room() ? exit_done : exit_failed;
 }
 
 }  // namespace lumifield

@@ -85,6 +85,7 @@ int run_scan(const ScanOptions& options) {
   ProgressLine line;
   std::optional<Error> picture_error;
   while (auto event = (*session)->next_event()) {
+    if (const auto* scan = std::get_if<ScanPrediction>(&*event)) line.say("the scan: " + prediction_line(*scan));
     if (const auto* progress = std::get_if<ScanProgress>(&*event)) line.show(*progress);
     if (const auto* notice = std::get_if<Notice>(&*event)) line.say(notice->text);
     if (const auto* made = std::get_if<PictureMade>(&*event)) {

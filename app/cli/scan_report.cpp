@@ -35,6 +35,9 @@ double largest_drift(const ScanSummary& summary) {
   return largest;
 }
 
+/// Apart from the tenths of the cells.
+constexpr int stabilising = 100;
+
 std::string bar(int done, int total) {
   constexpr int width = 30;
   const int filled = total > 0 ? width * done / total : 0;
@@ -51,6 +54,10 @@ std::string progress_text(const ScanProgress& p) {
   const std::string cells = bar(p.cells_done, p.cells_total) + there_before(p.cells_before);
   const std::string state(to_string(p.state));
   if (is_final(p.state)) return cells + ", " + state + " after " + minutes_text(p.elapsed_s);
+  if (const auto& lamp = p.stabilisation)
+    return cells + format(", lamp at %.0f DN/s, spread %s of %.2f %% allowed, %s left at most, %-10s",
+                          lamp->signal_dn_per_s, lamp->spread ? format("%.2f %%", 100 * *lamp->spread).c_str() : "—",
+                          100 * lamp->within, minutes_text(lamp->left_s).c_str(), state.c_str());
   return cells + format(", %s elapsed, %s left, %-10s", minutes_text(p.elapsed_s).c_str(),
                         minutes_text(p.left_s).c_str(), state.c_str());
 }
@@ -61,11 +68,22 @@ std::string done_text(const ScanSummary& s) {
   return cells + there_before(s.cells_before) + ", done in " + minutes_text(s.timing.total_s);
 }
 
+std::string prediction_line(const ScanPrediction& scan) {
+  std::string text = format("%d cells, about %s", scan.cells, minutes_text(scan.time_s).c_str());
+  if (scan.stabilisation_s > 0)
+    text += format(" once the lamp is steady (%s at most)", minutes_text(scan.stabilisation_s).c_str());
+  text += format(", up to %.1f MB", scan.bytes / 1e6);
+  if (scan.free_bytes) text += format(" of %.1f MB that are free", *scan.free_bytes / 1e6);
+  return text + (scan.has_room() ? "" : ": TOO LITTLE ROOM, free some");
+}
+
 void ProgressLine::show(const ScanProgress& progress) {
   if (progress.state == ScanState::done) return;
   const int tenth = progress.cells_total > 0 ? 10 * progress.cells_done / progress.cells_total : 0;
   if (is_final(progress.state))
     line_.show(progress_text(progress));
+  else if (const auto& lamp = progress.stabilisation)
+    line_.show(progress_text(progress), stabilising + static_cast<int>(10 * (1 - lamp->left_s / lamp->limit_s)));
   else
     line_.show(progress_text(progress), tenth);
 }
@@ -87,6 +105,9 @@ std::string summary_text(const ScanSummary& s) {
   text += format("  bench idle %.1f %% of the time\n", 100 * t.idle_share());
   text += format("  per cell  develop %.0f ms, store %.0f ms, render %.0f ms (medians)\n",
                  1e3 * median(s.times.develop_s), 1e3 * median(s.times.store_s), 1e3 * median(s.times.render_s));
+  if (const auto& lamp = s.stabilised())
+    text += format("  lamp      %s after %s: spread %.2f %%\n", lamp->steady ? "steady" : "NOT STEADY",
+                   minutes_text(lamp->watched_s).c_str(), 100 * lamp->spread);
   text += format("  reference %zu readings, largest drift %+.3f %%\n", s.references.size(), 100 * largest_drift(s));
   text +=
       format("  quality   %d cells with warnings, %d frames taken again\n", s.cells_with_warnings, s.frames_retaken);
@@ -94,6 +115,14 @@ std::string summary_text(const ScanSummary& s) {
   if (s.cameras_lost > 0) text += format("  camera    was gone %d times, %.1f s in all\n", s.cameras_lost, t.lost_s);
   text += "            (SNR is the median over lit pixels: above 1 % of the reference cell's mean)\n";
   return text;
+}
+
+nlohmann::ordered_json prediction_json(const ScanPrediction& scan) {
+  nlohmann::ordered_json json{{"cells", scan.cells}, {"predicted_s", scan.time_s}, {"bytes", scan.bytes}};
+  if (scan.stabilisation_s > 0) json["stabilisation_s"] = scan.stabilisation_s;
+  if (scan.free_bytes) json["free_bytes"] = *scan.free_bytes;
+  json["room"] = scan.has_room();
+  return json;
 }
 
 std::string summary_json(const ScanSummary& s) {
@@ -109,11 +138,14 @@ std::string summary_json(const ScanSummary& s) {
                       {"exposure", t.exposure_s}, {"readout", t.readout_s}, {"waiting", t.waiting_s},
                       {"other", t.other_s},       {"lost", t.lost_s}};
   json["idle_share"] = t.idle_share();
+  if (const auto& scan = s.prediction) json["prediction"] = prediction_json(*scan);
   json["median_s"] = {{"develop", median(s.times.develop_s)},
                       {"store", median(s.times.store_s)},
                       {"render", median(s.times.render_s)},
                       {"kernel", median(s.times.kernel_s)}};
   json["reference_drift"] = largest_drift(s);
+  if (const auto& lamp = s.stabilised())
+    json["stabilisation"] = {{"watched_s", lamp->watched_s}, {"spread", lamp->spread}, {"steady", lamp->steady}};
   json["frames_retaken"] = s.frames_retaken;
   json["cameras_lost"] = s.cameras_lost;
   json["cells_with_warnings"] = s.cells_with_warnings;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "app/cli/status_line.h"
@@ -10,6 +11,10 @@ namespace lumifield {
 /// One line, of the whole grid: cells that were there before count as done and are named.
 std::string progress_text(const ScanProgress& progress);
 std::string done_text(const ScanSummary& summary);
+
+/// "20 cells, about 0:12, up to 3.6 MB of 82600.0 MB that are free"; says so where there is too little room.
+std::string prediction_line(const ScanPrediction& scan);
+nlohmann::ordered_json prediction_json(const ScanPrediction& scan);
 
 /// The progress of a scan on stderr; its end is always told.
 class ProgressLine {

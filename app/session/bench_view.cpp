@@ -34,4 +34,9 @@ void BenchView::set_bracket(std::shared_ptr<const Bracket> bracket, std::string 
   ++now_.number;
 }
 
+void BenchView::show(const Bracket& bracket, const std::string& place, const Vec2& stage_mm) {
+  set_stage_mm(stage_mm);
+  if (watched()) set_bracket(std::make_shared<const Bracket>(bracket), place);
+}
+
 }  // namespace lumifield

@@ -37,6 +37,8 @@ class BenchView {
   void set_stage(DeviceView stage);
   void set_stage_mm(const Vec2& stage_mm);
   void set_bracket(std::shared_ptr<const Bracket> bracket, std::string place);
+  /// What a scan has exposed, and where; the bracket is copied while it is watched.
+  void show(const Bracket& bracket, const std::string& place, const Vec2& stage_mm);
 
   /// Somebody looks at brackets: else none needs to be copied for it. Not at first.
   void set_watched(bool watched) { watched_ = watched; }

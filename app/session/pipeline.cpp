@@ -40,9 +40,7 @@ class QueueSink : public ScanSink {
     must_arrive ? pipeline_.events.push(progress) : pipeline_.events.try_push(progress);
   }
   void seen(const Bracket& bracket, const std::string& place, const Vec2& stage_mm) override {
-    if (!view_) return;
-    view_->set_stage_mm(stage_mm);
-    if (view_->watched()) view_->set_bracket(std::make_shared<const Bracket>(bracket), place);
+    if (view_) view_->show(bracket, place, stage_mm);
   }
 
  private:
@@ -59,6 +57,8 @@ Status scan(const ScanRequest& request, const ScanPlan& steps, const std::option
   if (Status opened = instruments.open(); !opened) return opened;
   outcome.camera = name_of(instruments.camera().info());
   outcome.stage = name_of(instruments.stage().info());
+  outcome.prediction = predict(request.bench, request.plan, steps, instruments.stage().info(), request.out);
+  pipeline.events.push(*outcome.prediction);
 
   Scanner scanner(instruments.camera(), instruments.stage(), request.bench, request.plan);
   if (first) scanner.refer_to(*first);

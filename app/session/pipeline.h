@@ -59,6 +59,7 @@ class Pipeline {
 
 /// What the bench thread finds out beside the cells.
 struct BenchOutcome {
+  std::optional<ScanPrediction> prediction;  ///< once the devices are open
   ScanTiming timing;
   std::vector<ReferenceReading> references;
   std::string camera, stage;

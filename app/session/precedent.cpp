@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 /// What may change between two scans of one dataset: where devices are found, how fast and how patiently they work,
 /// what is allowed and what is worth a warning.
-constexpr std::array<std::string_view, 22> free_members = {
+constexpr std::array<std::string_view, 24> free_members = {
     "/camera/address",
     "/camera/readout_s",
     "/camera/packet_bytes",
@@ -34,6 +34,8 @@ constexpr std::array<std::string_view, 22> free_members = {
     "/reference_cell/every",
     "/reference_cell/limit",
     "/warm_up_s",
+    "/stabilisation",
+    "/stabilisation/",
     "/limits/",
     "/name",
 };

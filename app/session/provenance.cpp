@@ -25,11 +25,14 @@ void add_end(Json& json, const ScanSummary& summary) {
 
 Json json_of(const std::vector<ReferenceReading>& readings) {
   Json json = Json::array();
-  for (const ReferenceReading& reading : readings)
+  for (const ReferenceReading& reading : readings) {
     json.push_back({{"cells_done", reading.cells_done},
                     {"signal_dn_per_s", reading.signal_dn_per_s},
                     {"exposure_s", reading.exposure_s},
                     {"drift", reading.drift}});
+    if (const auto& end = reading.stabilised)
+      json.back()["stabilisation"] = {{"watched_s", end->watched_s}, {"spread", end->spread}, {"steady", end->steady}};
+  }
   return json;
 }
 

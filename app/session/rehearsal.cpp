@@ -2,11 +2,9 @@
 
 #include <algorithm>
 
-#include "acquisition/scan/motion_time.h"
 #include "app/session/device_names.h"
 #include "app/session/guarded.h"
 #include "app/session/instruments.h"
-#include "app/session/stored_bytes.h"
 #include "calibration/develop.h"
 
 namespace lumifield {
@@ -16,17 +14,21 @@ namespace {
 /// Keeps the cell and the reading.
 class RehearsalSink final : public ScanSink {
  public:
-  explicit RehearsalSink(const std::function<void(const ScanProgress&)>& told) : told_(told) {}
+  RehearsalSink(const std::function<void(const ScanProgress&)>& told, BenchView& view) : told_(told), view_(view) {}
   void cell(RawCell raw) override { shot = std::move(raw); }
   void reference(const ReferenceReading& reading) override { signal_dn_per_s = reading.signal_dn_per_s; }
   void progress(const ScanProgress& progress) override { told_(progress); }
   void notice(const std::string&) override {}  // without a recovery nothing is helped
+  void seen(const Bracket& bracket, const std::string& place, const Vec2& stage_mm) override {
+    view_.show(bracket, place, stage_mm);
+  }
 
   RawCell shot;
   double signal_dn_per_s = 0;
 
  private:
   const std::function<void(const ScanProgress&)>& told_;
+  BenchView& view_;
 };
 
 double brightest_share(const RawCell& raw, double saturation_dn) {
@@ -36,19 +38,11 @@ double brightest_share(const RawCell& raw, double saturation_dn) {
   return most / saturation_dn;
 }
 
-/// Of the disk that a path will lie on.
-std::optional<double> room_for(std::filesystem::path out) {
-  std::error_code code;
-  out = std::filesystem::absolute(out, code);
-  while (!code && !out.empty() && !std::filesystem::exists(out, code) && out.has_relative_path())
-    out = out.parent_path();
-  const std::filesystem::space_info space = std::filesystem::space(out, code);
-  return code ? std::nullopt : std::optional(static_cast<double>(space.available));
-}
-
 Result<Rehearsal> run(const RehearsalRequest& request, std::stop_token stop,
                       const std::function<void(const ScanProgress&)>& progress) {
-  const auto [bench, plan] = std::tie(request.bench, request.plan);
+  const Bench& bench = request.bench;
+  Plan plan = request.plan;
+  plan.stabilisation.reset();  // the scan's: what is tried here is no measurement
   const auto steps = make_rehearsal(bench, plan, request.shot.value_or(plan.reference.cell));
   if (!steps) return tl::unexpected(steps.error());
   const auto whole = make_scan_plan(bench, plan);
@@ -57,10 +51,11 @@ Result<Rehearsal> run(const RehearsalRequest& request, std::stop_token stop,
   if (!developer) return tl::unexpected(developer.error());
 
   BenchView unseen;
-  Instruments instruments(bench, request.devices, unseen);
+  BenchView& view = request.bench_view ? *request.bench_view : unseen;
+  Instruments instruments(bench, request.devices, view);
   if (Status opened = instruments.open(); !opened) return tl::unexpected(opened.error());
   Scanner scanner(instruments.camera(), instruments.stage(), bench, plan);
-  RehearsalSink sink(progress);
+  RehearsalSink sink(progress, view);
   if (Status ran = scanner.run(*steps, sink, std::move(stop)); !ran) return tl::unexpected(ran.error());
   const auto image = developer->develop(sink.shot);
   if (!image) return fail_in("test shot", image.error());
@@ -75,11 +70,7 @@ Result<Rehearsal> run(const RehearsalRequest& request, std::stop_token stop,
   told.brightest_share = brightest_share(sink.shot, bench.sensor.saturation_dn);
   told.signal_dn_per_s = sink.signal_dn_per_s;
   told.took_s = scanner.timing().total_s;
-  told.cells = whole->cells;
-  const StageSpeed speed = stage_speed(bench.stage, instruments.stage().info());
-  told.scan_s = scan_time_s(whole->steps, bench, plan, speed);
-  told.scan_bytes = whole->cells * stored_cell_bytes(developer->geometry());
-  told.free_bytes = room_for(request.out);
+  told.scan = predict(bench, request.plan, *whole, instruments.stage().info(), request.out);
   return told;
 }
 

@@ -271,6 +271,7 @@ Result<ScanSummary> ScanSession::wait() {
 Result<ScanSummary> ScanSession::Impl::finish() {
   summary.dataset = request.out;
   summary.timing = bench.timing;
+  summary.prediction = bench.prediction;
   summary.references = bench.references;
   summary.camera = bench.camera;
   summary.stage = bench.stage;

@@ -13,6 +13,7 @@
 #include "app/session/bench_devices.h"
 #include "app/session/bench_view.h"
 #include "app/session/bounded_queue.h"
+#include "app/session/prediction.h"
 #include "luminaire/bench.h"
 #include "luminaire/dataset.h"
 #include "luminaire/plan.h"
@@ -29,7 +30,8 @@ struct ScanRequest {
   bool resume = false;
   std::vector<CellIndex> retake;  ///< with `resume`: cells to take again beside those that are missing
   bool attended = false;          ///< somebody answers: a trouble pauses the scan in place of ending it
-  bool accept_drift = false;      ///< with `resume`: the drift read first is known, only further drift is a trouble
+  bool accept_drift = false;      ///< the drift read first and a lamp that does not become steady are known: only
+                                  ///< further drift is a trouble
   std::string name;               ///< of the luminaire; empty = the folder's stem
   std::optional<Scene> preview;
   int preview_width_px = 1024, preview_height_px = 768;
@@ -49,10 +51,15 @@ struct ScanSummary {
   Coverage coverage;
   int cells_before = 0;  ///< of coverage.measured: there before this scan
   ScanTiming timing;
+  std::optional<ScanPrediction> prediction;  ///< as it was told before the first cell
   /// A resumed dataset was complete already: no device was opened.
   bool nothing_left() const { return cells_before == coverage.total; }
   StageTimes times;
   std::vector<ReferenceReading> references;
+  /// How the wait for a steady lamp ended; empty where the plan asks for none.
+  std::optional<StabilisationEnd> stabilised() const {
+    return references.empty() ? std::nullopt : references.front().stabilised;
+  }
   int frames_retaken = 0, cameras_lost = 0;
   int cells_with_warnings = 0;
   int cells_adapted = 0;  ///< with exposures beyond the plan's
@@ -71,7 +78,8 @@ struct PictureMade {
 struct Notice {
   std::string text;
 };
-using SessionEvent = std::variant<ScanProgress, CellStored, ReferenceReading, PictureMade, Notice>;
+/// ScanPrediction comes once, when the devices are open.
+using SessionEvent = std::variant<ScanPrediction, ScanProgress, CellStored, ReferenceReading, PictureMade, Notice>;
 
 /// One scan from photons to a durable dataset and a picture: four threads, joined by bounded queues.
 ///

@@ -195,6 +195,10 @@ void MainWindow::set_theme(Theme theme) {
 bool MainWindow::may_close() {
   if (!workbench_->scan().busy()) return true;
   if (close_when_idle_) return false;
+  if (workbench_->scan().activity() == ScanActivity::rehearsing) {  // nothing is lost
+    close_without_asking();
+    return false;
+  }
   QMessageBox question(QMessageBox::Question, tr("A scan runs"),
                        tr("Stop the scan and close?\n\nWhat is stored stays, and the scan can go on later: open the "
                           "dataset's folder with its bench and plan again."),

@@ -83,6 +83,7 @@ void MainWindow::join_cells() {
 void MainWindow::join_scan() {
   ScanController& scan = workbench_->scan();
   connect(scan_, &ScanPanel::startRequested, workbench_.get(), &Workbench::start);
+  connect(scan_, &ScanPanel::rehearseRequested, workbench_.get(), &Workbench::rehearse);
   connect(scan_, &ScanPanel::pauseRequested, &scan, &ScanController::pause);
   connect(scan_, &ScanPanel::resumeRequested, &scan, &ScanController::resume);
   connect(scan_, &ScanPanel::stopRequested, &scan, &ScanController::stop);
@@ -103,6 +104,12 @@ void MainWindow::join_scan() {
     const LuminaireModel& model = workbench_->model();
     scan_->set_outcome(complete ? tr("Every cell is measured.")
                                 : tr("Ended at %1 of %2 cells: see Notices").arg(model.measured()).arg(model.total()));
+    show_state();
+    if (close_when_idle_) close();
+  });
+  connect(&scan, &ScanController::rehearsed, this, [this](const QString& message) {
+    scan_->set_outcome(message);
+    notices_dock_->raise();
     show_state();
     if (close_when_idle_) close();
   });

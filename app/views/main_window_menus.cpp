@@ -23,8 +23,8 @@ void MainWindow::make_menus() {
   make_file_menu();
   QMenu* scan = menuBar()->addMenu(tr("&Scan"));
   const ScanControls& controls = scan_->controls();
-  for (QAction* action :
-       {controls.start_action(), controls.pause_action(), controls.resume_action(), controls.stop_action()})
+  for (QAction* action : {controls.start_action(), controls.rehearse_action(), controls.pause_action(),
+                          controls.resume_action(), controls.stop_action()})
     scan->addAction(action);
   scan->addSeparator();
   retake_ = scan->addAction(tr("&Retake selected cells"), QKeySequence(tr("Ctrl+T")), this,

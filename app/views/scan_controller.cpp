@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "app/views/scan_words.h"
+
 namespace lumifield {
 
 namespace {
@@ -63,6 +65,44 @@ void ScanController::start(const ScanRequest& request) {
       });
 }
 
+void ScanController::rehearse(const RehearsalRequest& request) {
+  if (busy()) return;
+  set_activity(ScanActivity::rehearsing);
+  rehearsal_stop_ = {};
+  if (thread_.joinable()) thread_.join();  // it has ended
+  RehearsalRequest mine = request;
+  mine.bench_view = bench_view_;
+  mine.devices = devices_;
+  thread_ = std::jthread([this, mine = std::move(mine), stop = rehearsal_stop_.get_token(),
+                          old = std::shared_ptr<BenchWatch>(std::move(watch_))]() mutable {
+    old.reset();  // the devices are free
+    auto told = lumifield::rehearse(mine, stop, [this](const ScanProgress& progress) {
+      QMetaObject::invokeMethod(this, [this, progress] {
+        if (activity_ == ScanActivity::rehearsing) emit progressed(progress);
+      });
+    });
+    QMetaObject::invokeMethod(this, [this, told = std::move(told)] { finish_rehearsal(told); });
+  });
+}
+
+void ScanController::finish_rehearsal(const Result<Rehearsal>& told) {
+  if (thread_.joinable()) thread_.join();  // it has nothing left to do
+  set_activity(ScanActivity::idle);
+  rest();
+  using enum OperatorNotice::Level;
+  if (told) {
+    const bool good = told->scan.has_room() && told->quality.warnings.empty();
+    emit noticed({good ? information : warning, rehearsal_text(*told)});
+    emit rehearsed(good ? tr("Rehearsed: see Notices.") : tr("Rehearsed, with warnings: see Notices."));
+  } else if (told.error().kind == ErrorKind::stopped) {
+    emit noticed({information, tr("The rehearsal was stopped; the stage stays where it is.")});
+    emit rehearsed(tr("The rehearsal was stopped."));
+  } else {
+    emit noticed({fault, tr("The rehearsal failed: %1").arg(text(told.error().message()))});
+    emit rehearsed(tr("The rehearsal failed: see Notices."));
+  }
+}
+
 /// On the session's thread.
 void ScanController::run(ScanRequest request) {
   const QString dataset = text(request.out.string());
@@ -103,7 +143,7 @@ void ScanController::take(const SessionEvent& event) {
       set_activity(ScanActivity::paused);
     if (in_trouble)
       emit noticed(
-          {OperatorNotice::Level::fault, tr("Paused: %1. Resume takes it again.").arg(text(progress->trouble))});
+          {OperatorNotice::Level::fault, tr("Paused: %1. Resume goes on.").arg(text(progress->trouble))});
     emit progressed(*progress);
   } else if (const auto* cell = std::get_if<CellStored>(&event)) {
     emit cellStored(cell->entry, cell->image);
@@ -111,6 +151,8 @@ void ScanController::take(const SessionEvent& event) {
     emit referenceRead(*reading);
   } else if (const auto* notice = std::get_if<Notice>(&event)) {
     emit noticed({OperatorNotice::Level::warning, text(notice->text)});
+  } else if (const auto* scan = std::get_if<ScanPrediction>(&event); scan && !scan->has_room()) {
+    emit noticed({OperatorNotice::Level::warning, tr("The scan: %1").arg(prediction_text(*scan))});
   }
 }
 
@@ -154,6 +196,7 @@ void ScanController::stop() {
   set_activity(ScanActivity::stopping);
   std::lock_guard lock(mutex_);
   stop_early_ = true;
+  rehearsal_stop_.request_stop();
   if (session_) session_->stop();
 }
 

@@ -8,6 +8,7 @@
 
 #include "app/session/bench_view.h"
 #include "app/session/bench_watch.h"
+#include "app/session/rehearsal.h"
 #include "app/session/scan_session.h"
 #include "app/views/operator_notice.h"
 #include "app/views/scan_activity.h"
@@ -35,6 +36,8 @@ class ScanController : public QObject {
 
  public slots:
   void start(const lumifield::ScanRequest& request);
+  /// Tries the scan in small on the bench that the scan would use: `progressed`, then `rehearsed`.
+  void rehearse(const lumifield::RehearsalRequest& request);
   void pause();
   void resume();
   void stop();
@@ -52,6 +55,8 @@ class ScanController : public QObject {
   void cellStored(const lumifield::CellEntry& entry, std::shared_ptr<const lumifield::CellImage> image);
   void referenceRead(const lumifield::ReferenceReading& reading);
   void noticed(const lumifield::OperatorNotice& notice);
+  /// A rehearsal ended, and `noticed` said with what; `message` says how in a few words.
+  void rehearsed(const QString& message);
   /// Ended: `complete` when every cell is measured. `message` says it in a sentence.
   void ended(bool complete, const QString& message);
 
@@ -60,6 +65,7 @@ class ScanController : public QObject {
   void take(const SessionEvent& event);
   void run(ScanRequest request);
   void finish(const Result<ScanSummary>& summary);
+  void finish_rehearsal(const Result<Rehearsal>& told);
   void rest();
 
   ScanActivity activity_ = ScanActivity::idle;
@@ -74,6 +80,7 @@ class ScanController : public QObject {
   std::unique_ptr<ScanSession> session_;  ///< null until it has started
   bool stop_early_ = false;               ///< stop was asked for before it had
   std::vector<CellIndex> retake_early_;   ///< asked for before it had
+  std::stop_source rehearsal_stop_;
   std::jthread thread_;
 };
 

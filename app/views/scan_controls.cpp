@@ -13,6 +13,7 @@ namespace lumifield {
 namespace {
 
 constexpr const char* start_tip = "Start the scan";
+constexpr const char* rehearse_tip = "Try the scan in small: corners, reference cell, a test shot";
 
 QString with_key(const QString& tip, const QAction& action) {
   return tip + " (" + action.shortcut().toString(QKeySequence::NativeText) + ")";
@@ -42,6 +43,7 @@ QHBoxLayout* tight_row(QWidget* page) {
 
 ScanControls::ScanControls(QWidget* parent) : QWidget(parent), pages_(new QStackedLayout(this)) {
   start_ = make_action("Start", Qt::Key_F5, start_tip);
+  rehearse_ = make_action("Rehearse", Qt::CTRL | Qt::Key_F5, rehearse_tip);
   pause_ = make_action("Pause", Qt::Key_F6, "Pause after the step that the bench is at");
   // The same key: never are both possible.
   resume_ = make_action("Resume", Qt::Key_F6, "Go on with the scan");
@@ -49,7 +51,11 @@ ScanControls::ScanControls(QWidget* parent) : QWidget(parent), pages_(new QStack
   connect(start_, &QAction::triggered, this, &ScanControls::startRequested);
   connect(pause_, &QAction::triggered, this, &ScanControls::pauseRequested);
   connect(resume_, &QAction::triggered, this, &ScanControls::resumeRequested);
-  connect(stop_, &QAction::triggered, this, [this] { ask_to_stop(true); });
+  connect(rehearse_, &QAction::triggered, this, &ScanControls::rehearseRequested);
+  connect(stop_, &QAction::triggered, this, [this] {
+    if (activity_ == ScanActivity::rehearsing) return emit stopRequested();
+    ask_to_stop(true);
+  });
   pages_->addWidget(make_buttons());
   pages_->addWidget(make_question());
   show_actions();
@@ -67,8 +73,8 @@ QAction* ScanControls::make_action(const QString& text, const QKeySequence& key,
 QWidget* ScanControls::make_buttons() {
   auto* page = new QWidget(this);
   QHBoxLayout* row = tight_row(page);
-  for (QAction* action : {start_, pause_, resume_, stop_}) row->addWidget(button_for(action, page));
-  stop_button_ = qobject_cast<QPushButton*>(row->itemAt(3)->widget());
+  for (QAction* action : {start_, rehearse_, pause_, resume_, stop_}) row->addWidget(button_for(action, page));
+  stop_button_ = qobject_cast<QPushButton*>(row->itemAt(4)->widget());
   return page;
 }
 
@@ -117,8 +123,10 @@ void ScanControls::set_startable(bool startable, const QString& why_not) {
 
 void ScanControls::show_actions() {
   using enum ScanActivity;
-  start_->setEnabled(activity_ == idle && startable_);
-  start_->setToolTip(activity_ == idle && !startable_ ? why_not_ : QString(start_tip));
+  for (const auto& [action, tip] : {std::pair(start_, start_tip), {rehearse_, rehearse_tip}}) {
+    action->setEnabled(activity_ == idle && startable_);
+    action->setToolTip(activity_ == idle && !startable_ ? why_not_ : QString(tip));
+  }
   pause_->setEnabled(activity_ == running);
   resume_->setEnabled(activity_ == paused || activity_ == pausing);
   stop_->setEnabled(activity_ != idle && activity_ != stopping);

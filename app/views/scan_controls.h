@@ -11,8 +11,8 @@ class QStackedLayout;
 
 namespace lumifield {
 
-/// Start, pause, resume and stop, as the scan allows. Stop asks first, in the place of the buttons; Escape or the other
-/// answer goes on. GUI thread.
+/// Start, rehearse, pause, resume and stop, as the scan allows. Stop asks first, in the place of the buttons, but in a
+/// rehearsal, which has nothing to lose; Escape or the other answer goes on. GUI thread.
 class ScanControls : public QWidget {
   Q_OBJECT
 
@@ -25,6 +25,7 @@ class ScanControls : public QWidget {
 
   /// For menus and keys; enabled as the scan allows.
   QAction* start_action() const { return start_; }
+  QAction* rehearse_action() const { return rehearse_; }
   QAction* pause_action() const { return pause_; }
   QAction* resume_action() const { return resume_; }
   QAction* stop_action() const { return stop_; }
@@ -32,6 +33,7 @@ class ScanControls : public QWidget {
 
  signals:
   void startRequested();
+  void rehearseRequested();
   void pauseRequested();
   void resumeRequested();
   void stopRequested();
@@ -49,7 +51,7 @@ class ScanControls : public QWidget {
   ScanActivity activity_ = ScanActivity::idle;
   bool startable_ = true;
   QString why_not_;
-  QAction *start_, *pause_, *resume_, *stop_;
+  QAction *start_, *rehearse_, *pause_, *resume_, *stop_;
   QStackedLayout* pages_;
   QPushButton *stop_button_ = nullptr, *keep_ = nullptr;
 };

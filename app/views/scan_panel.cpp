@@ -41,6 +41,7 @@ ScanPanel::ScanPanel(QWidget* parent, Clock clock)
   blocks_->setSizeConstraint(QLayout::SetNoConstraint);
   arrange(true);
   connect(controls_, &ScanControls::startRequested, this, &ScanPanel::startRequested);
+  connect(controls_, &ScanControls::rehearseRequested, this, &ScanPanel::rehearseRequested);
   connect(controls_, &ScanControls::pauseRequested, this, &ScanPanel::pauseRequested);
   connect(controls_, &ScanControls::resumeRequested, this, &ScanPanel::resumeRequested);
   connect(controls_, &ScanControls::stopRequested, this, &ScanPanel::stopRequested);
@@ -105,6 +106,12 @@ void ScanPanel::set_activity(ScanActivity activity) {
 }
 
 void ScanPanel::set_progress(const ScanProgress& progress) {
+  if (activity_ == ScanActivity::rehearsing) {
+    // Its cells are not the scan's.
+    progress_.state = progress.state;
+    progress_.place = progress.place;
+    return show_words();
+  }
   progress_ = progress;
   told_ = clock_();
   show_words();

@@ -20,8 +20,8 @@ class FigureGrid;
 class ScanControls;
 
 /// The scan at a glance: how far it is, what the bench is doing, when it ends, whether the disk suffices and the lamp
-/// is steady; start, pause, resume, stop. It shows what it is told and asks for what is pressed. At least 1100 px wide
-/// it is about 80 px high, else one column. GUI thread.
+/// is steady; start, rehearse, pause, resume, stop. It shows what it is told and asks for what is pressed. At least
+/// 1100 px wide it is about 80 px high, else one column. GUI thread.
 class ScanPanel : public QWidget {
   Q_OBJECT
 
@@ -52,6 +52,7 @@ class ScanPanel : public QWidget {
 
  signals:
   void startRequested();
+  void rehearseRequested();
   void pauseRequested();
   void resumeRequested();
   void stopRequested();

@@ -19,6 +19,8 @@ QString words(ScanState state, const QString& place) {
       return "Letting the stage settle, " + place;
     case ScanState::exposing:
       return "Exposing, " + place;
+    case ScanState::stabilising:
+      return "Waiting for a steady lamp, " + place;
     case ScanState::delivering:
       return "Handing on " + place;
     case ScanState::parking:
@@ -39,27 +41,64 @@ QString words(ScanState state, const QString& place) {
   return {};
 }
 
+QString words(const ScanProgress& progress) {
+  const auto& lamp = progress.stabilisation;
+  if (!lamp) return words(progress.state, QString::fromStdString(progress.place));
+  const auto percent = [](double share) { return QString::number(100 * share, 'f', 2); };
+  return QString("Lamp %1 DN/s, spread %2 of %3 %, %4 at most: waiting until it is steady")
+      .arg(lamp->signal_dn_per_s, 0, 'f', 0)
+      .arg(lamp->spread ? percent(*lamp->spread) : "—", percent(lamp->within), duration_text(lamp->left_s));
+}
+
 }  // namespace
 
 QString bench_words(ScanActivity activity, const ScanProgress& progress) {
-  const QString place = QString::fromStdString(progress.place);
   switch (activity) {
     case ScanActivity::idle:
       return "No scan is running";
+    case ScanActivity::rehearsing:
+      return "Rehearsing: " + words(progress);
     case ScanActivity::starting:
-      return progress.state == ScanState::idle ? "Starting: checking plan, bench and devices"
-                                               : words(progress.state, place);
+      return progress.state == ScanState::idle ? "Starting: checking plan, bench and devices" : words(progress);
     case ScanActivity::running:
-      return words(progress.state, place);
+      return words(progress);
     case ScanActivity::pausing:
-      return "Pausing after this step: " + words(progress.state, place);
+      return "Pausing after this step: " + words(progress);
     case ScanActivity::paused:
       return progress.trouble.empty() ? "Paused; the reference cell is read first when the scan goes on"
                                       : "Paused: " + QString::fromStdString(progress.trouble);
     case ScanActivity::stopping:
-      return "Stopping: storing what is measured";
+      return "Stopping: what is measured is stored";
   }
   return {};
+}
+
+QString rehearsal_text(const Rehearsal& told) {
+  const Quality& q = told.quality;
+  QString text =
+      QString(
+          "Rehearsed in %1 on %2 and %3: %4 corner places reached; test shot of cell %5: brightest pixel at %6 % of "
+          "saturation, %7 % of S saturated, %8 % starved, SNR %9")
+          .arg(duration_text(told.took_s), QString::fromStdString(told.camera), QString::fromStdString(told.stage))
+          .arg(told.places)
+          .arg(QString::fromStdString(to_string(told.shot)))
+          .arg(100 * told.brightest_share, 0, 'f', 0)
+          .arg(100 * q.saturated_share, 0, 'f', 2)
+          .arg(100 * q.starved_share, 0, 'f', 1)
+          .arg(q.median_snr, 0, 'f', 0);
+  for (const std::string& warning : q.warnings) text += ", " + QString::fromStdString(warning);
+  return text + QString("; reference cell: %1 DN/s; the scan: %2")
+                    .arg(told.signal_dn_per_s, 0, 'f', 0)
+                    .arg(prediction_text(told.scan));
+}
+
+QString prediction_text(const ScanPrediction& scan) {
+  QString text = QString("%1 cells, about %2 (min:s)").arg(scan.cells).arg(duration_text(scan.time_s));
+  if (scan.stabilisation_s > 0)
+    text += QString(" once the lamp is steady, at most %1 before").arg(duration_text(scan.stabilisation_s));
+  text += ", up to " + bytes_text(scan.bytes);
+  if (scan.free_bytes) text += QString(" of the %1 that are free").arg(bytes_text(*scan.free_bytes));
+  return scan.has_room() ? text : text + ": too little room, free some";
 }
 
 QString duration_text(double seconds) {

@@ -2,7 +2,7 @@
 
 #include <QString>
 
-#include "acquisition/scan/scanner.h"
+#include "app/session/rehearsal.h"
 #include "app/views/scan_activity.h"
 #include "luminaire/light_field.h"
 
@@ -14,6 +14,11 @@ namespace lumifield {
 
 /// What the bench is doing: "Exposing cell (3, 4)".
 QString bench_words(ScanActivity activity, const ScanProgress& progress);
+
+/// What a rehearsal told, in one line: corners, test shot, reference cell, and what the scan will take.
+QString rehearsal_text(const Rehearsal& told);
+/// "63 cells, about 01:45, up to 45.4 MB of the 82.6 GB that are free"; says so where there is too little room.
+QString prediction_text(const ScanPrediction& scan);
 
 /// "03:25", from an hour on "1:03:25"; "—" when not a number or negative.
 QString duration_text(double seconds);

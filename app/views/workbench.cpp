@@ -77,12 +77,17 @@ Workbench::Workbench(LivePreview& preview, BenchDevices devices, QObject* parent
     model_.set_waiting({});
     emit changed();
   });
+  connect(&scan_, &ScanController::rehearsed, this, [this] {
+    model_.set_measuring(std::nullopt);
+    emit changed();
+  });
   connect(&scan_, &ScanController::noticed, this, &Workbench::noticed);
 }
 
 Workbench::~Workbench() = default;
 
 QString Workbench::why_not_start() const {
+  if (scan_.activity() == ScanActivity::rehearsing) return tr("A rehearsal runs.");
   if (scan_.busy()) return tr("A scan runs.");
   if (model_.loading() && request_ && opening_ != request_->out) return tr("Another luminaire is being opened.");
   if (!request_) return tr("No bench: choose a bench file and a plan with New scan.");
@@ -92,6 +97,7 @@ QString Workbench::why_not_start() const {
 }
 
 QString Workbench::why_not_retake() const {
+  if (scan_.activity() == ScanActivity::rehearsing) return tr("A rehearsal runs: wait for its end, or stop it.");
   if (scan_.activity() == ScanActivity::stopping) return tr("The scan is stopping: wait for its end.");
   if (scan_.busy() || (request_ && folder_ == request_->out && exists_)) return {};
   return tr(
@@ -198,6 +204,15 @@ void Workbench::show_scene(const std::filesystem::path& file) {
 
 void Workbench::start() {
   if (why_not_start().isEmpty()) begin({});
+}
+
+void Workbench::rehearse() {
+  if (!why_not_start().isEmpty() || when_loaded_) return;
+  RehearsalRequest request;
+  request.bench = request_->bench;
+  request.plan = request_->plan;
+  request.out = request_->out;
+  scan_.rehearse(request);
 }
 
 void Workbench::begin(std::vector<CellIndex> retakes) {

@@ -45,6 +45,8 @@ class Workbench : public QObject {
  public slots:
   /// Starts, or goes on with what is there.
   void start();
+  /// Tries the scan in small.
+  void rehearse();
   /// Next in a scan that runs; else the scan goes on and takes them too.
   void retake(const std::vector<lumifield::CellIndex>& cells);
 

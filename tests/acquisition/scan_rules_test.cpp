@@ -49,6 +49,20 @@ TEST(ScanRules, LimitsHoldWhereTargetsAreApproachedFrom) {
   EXPECT_TRUE(make_scan_plan(bench, bell_plan()));
 }
 
+TEST(ScanRules, StabilisationIsPossible) {
+  Plan plan = bell_plan();
+  plan.stabilisation = Stabilisation{0.005, 60, 60};
+  EXPECT_TRUE(make_scan_plan(bell_bench(), plan));
+  for (const double within : {0.0, 1.0, -0.1, std::nan("")}) {
+    plan.stabilisation->within = within;
+    EXPECT_THAT(refusal(bell_bench(), plan).where, HasSubstr("stabilisation.within"));
+  }
+  for (const auto& [over_s, limit_s] : {std::pair(0.9, 60.0), {60, 59}, {60, 86'401}, {60, std::nan("")}}) {
+    plan.stabilisation = Stabilisation{0.005, over_s, limit_s};
+    EXPECT_THAT(refusal(bell_bench(), plan).where, HasSubstr("stabilisation.over_s, limit_s"));
+  }
+}
+
 TEST(ScanRules, FiltersStandFarEnoughApart) {
   // 30 mm half the grid, 18 mm half the lamp, 15 mm half the window.
   Bench bench = bell_bench();

@@ -15,18 +15,20 @@ using ::testing::HasSubstr;
 
 TEST(ScanStates, FollowTheDrawing) {
   const std::set<std::pair<ScanState, ScanState>> arrows{
-      {idle, homing},         {idle, moving},         {idle, done},
-      {homing, moving},       {moving, settling},     {settling, moving},
-      {settling, exposing},   {exposing, moving},     {exposing, delivering},
-      {delivering, moving},   {delivering, parking},  {parking, done},
-      {moving, parking},      {settling, parking},    {exposing, parking},
-      {idle, paused},         {homing, paused},       {moving, paused},
-      {settling, paused},     {exposing, paused},     {delivering, paused},
-      {paused, paused},       {paused, homing},       {paused, moving},
-      {paused, parking},      {paused, reconnecting}, {exposing, reconnecting},
-      {reconnecting, moving}, {reconnecting, paused}, {reconnecting, parking},
-      {moving, moving},       {moving, delivering},   {moving, homing}};
-  const std::vector<ScanState> all{idle,         homing, moving,  settling, exposing, delivering,
+      {idle, homing},          {idle, moving},         {idle, done},
+      {homing, moving},        {moving, settling},     {settling, moving},
+      {settling, exposing},    {exposing, moving},     {exposing, delivering},
+      {delivering, moving},    {delivering, parking},  {parking, done},
+      {moving, parking},       {settling, parking},    {exposing, parking},
+      {idle, paused},          {homing, paused},       {moving, paused},
+      {settling, paused},      {exposing, paused},     {delivering, paused},
+      {paused, paused},        {paused, homing},       {paused, moving},
+      {paused, parking},       {paused, reconnecting}, {exposing, reconnecting},
+      {reconnecting, moving},  {reconnecting, paused}, {reconnecting, parking},
+      {moving, moving},        {moving, delivering},   {moving, homing},
+      {exposing, stabilising}, {stabilising, moving},  {stabilising, paused},
+      {stabilising, parking}};
+  const std::vector<ScanState> all{idle,         homing, moving,  settling, exposing, stabilising, delivering,
                                    reconnecting, paused, parking, done,     stopped,  failed};
   for (const ScanState from : all)
     for (const ScanState to : all) {

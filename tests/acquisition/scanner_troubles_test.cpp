@@ -66,6 +66,15 @@ class ScannerTroubles : public ScannerTest {
   std::vector<std::string> troubles;
 };
 
+TEST_F(ScannerTroubles, ACameraThatIsGoneWhileTheLampIsWatchedIsOpenedAndTheWatchBeginsAnew) {
+  plan.stabilisation = Stabilisation{0.01, 60, 90};
+  camera.fail_at_frame = 3 + 3 * 8;  // the eighth reading
+  ASSERT_TRUE(run());
+  EXPECT_EQ(recovery.cameras_opened, 1);
+  EXPECT_EQ(sink.cells.size(), 6U);
+  EXPECT_NEAR(sink.references[0].stabilised->watched_s, 60, 7);
+}
+
 TEST_F(ScannerTroubles, ACameraThatWasGoneIsOpenedAndTheCellTakenAgain) {
   camera.fail_at_frame = 11;  // second pass of the first cell
   recovery.camera_refusals = 3;

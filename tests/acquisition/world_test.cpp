@@ -341,6 +341,14 @@ TEST(World, TurnsItsKnobs) {
   EXPECT_GT(sum(), 1.05 * steady);
   ASSERT_TRUE((*world)->set("lamp_drift", 0));
   EXPECT_EQ(sum(), steady);
+  ASSERT_TRUE((*world)->set("lamp_warm_up", 0.5));
+  ASSERT_TRUE((*world)->set("lamp_warm_up_s", 1000));
+  EXPECT_NEAR(sum() - 1024 * 768 * 64, 1.5 * (steady - 1024 * 768 * 64), 0.02 * steady);
+  EXPECT_NEAR((*world)->light(), 1.5, 0.05);
+  ASSERT_TRUE((*world)->set("lamp_warm_up_s", 1e-6));
+  EXPECT_EQ(sum(), steady);
+  EXPECT_FALSE((*world)->set("lamp_warm_up", -1.1));
+  EXPECT_FALSE((*world)->set("lamp_warm_up_s", 0));
   for (const char* knob : {"optics", "filter"}) {
     ASSERT_TRUE((*world)->set(knob, 0));
     EXPECT_NE(sum(), steady) << knob;

@@ -41,13 +41,23 @@ TEST(Rehearsal, TellsTheShotsQualityAndWhatTheScanTakes) {
   // 64 DN and 50,000 DN/s for 0.032 s
   EXPECT_NEAR(told->brightest_share, (64 + 1600) / 4000.0, 1e-3);
   EXPECT_NEAR(told->signal_dn_per_s, 5e4, 50);
-  EXPECT_EQ(told->cells, 6);
-  EXPECT_EQ(told->scan_bytes, 6 * 24 * 18 * 8);
-  EXPECT_GT(told->scan_s, 12 * 0.102);
-  ASSERT_TRUE(told->free_bytes);
-  EXPECT_GT(*told->free_bytes, 0);
+  EXPECT_EQ(told->scan.cells, 6);
+  EXPECT_EQ(told->scan.bytes, 6 * 24 * 18 * 8);
+  EXPECT_GT(told->scan.time_s, 12 * 0.102);
+  EXPECT_EQ(told->scan.stabilisation_s, 0);
+  ASSERT_TRUE(told->scan.free_bytes);
+  EXPECT_GT(*told->scan.free_bytes, 0);
   EXPECT_THAT(places, testing::Contains("corner cell (1, 0), pass negative"));
   EXPECT_EQ(doubles.open_now(), 0);
+}
+
+TEST(Rehearsal, DoesNotWaitForASteadyLampButTellsThatTheScanWill) {
+  test::DoubleBench doubles(width, height);
+  RehearsalRequest made = request(doubles);
+  made.plan.stabilisation = Stabilisation{0.01, 3600, 7200};
+  const auto told = rehearse(made, {}, [](const ScanProgress& p) { EXPECT_FALSE(p.stabilisation); });
+  ASSERT_TRUE(told) << told.error().message();
+  EXPECT_EQ(told->scan.stabilisation_s, 7200);
 }
 
 TEST(Rehearsal, TellsADeviceThatFails) {

@@ -41,6 +41,45 @@ TEST(ScanReport, ProgressNamesTheCellsThatWereThere) {
   EXPECT_THAT(progress_text(progress(ScanState::stopped, 21, 0)), HasSubstr("21 of 63 cells, stopped after 1:15"));
 }
 
+TEST(ScanReport, TellsHowSteadyTheLampIs) {
+  ScanProgress p = progress(ScanState::stabilising, 0, 0);
+  p.stabilisation = {12345.6, std::nullopt, 0.005, 1800, 1800};
+  EXPECT_THAT(progress_text(p),
+              HasSubstr("0 of 63 cells, lamp at 12346 DN/s, spread — of 0.50 % allowed, 30:00 left at most, stabil"));
+  std::vector<ScanProgress> reports{p, p};
+  p.stabilisation->spread = 0.0123;
+  p.stabilisation->left_s = 1500;
+  reports.push_back(p);
+  ScanSummary ended = summary(0);
+  ended.references.push_back({});
+  ended.references.back().stabilised = StabilisationEnd{400, 0.0041, true};
+  const std::string text = printed(reports, ended);
+  EXPECT_EQ(std::ranges::count(text, '\n'), 3) << text;  // the first, one for the next tenth of the time, the end
+  EXPECT_THAT(text, HasSubstr("spread 1.23 % of 0.50 % allowed, 25:00 left"));
+  EXPECT_THAT(summary_text(ended), HasSubstr("lamp      steady after 6:40: spread 0.41 %"));
+  EXPECT_EQ(nlohmann::json::parse(summary_json(ended))["stabilisation"]["watched_s"], 400);
+  ended.references.back().stabilised->steady = false;
+  EXPECT_THAT(summary_text(ended), HasSubstr("NOT STEADY after 6:40"));
+}
+
+TEST(ScanReport, PredictsTimeAndRoom) {
+  ScanPrediction scan{20, 75, 0, 3.6e6, 8e9};
+  EXPECT_EQ(prediction_line(scan), "20 cells, about 1:15, up to 3.6 MB of 8000.0 MB that are free");
+  scan.stabilisation_s = 1800;
+  scan.free_bytes = 1e6;
+  EXPECT_EQ(prediction_line(scan),
+            "20 cells, about 1:15 once the lamp is steady (30:00 at most), up to 3.6 MB of 1.0 MB that are free: TOO "
+            "LITTLE ROOM, free some");
+  ScanSummary ended = summary(0);
+  ended.prediction = scan;
+  const auto json = nlohmann::json::parse(summary_json(ended))["prediction"];
+  EXPECT_EQ(json["predicted_s"], 75);
+  EXPECT_EQ(json["bytes"], 3.6e6);
+  EXPECT_EQ(json["room"], false);
+  scan.free_bytes.reset();
+  EXPECT_THAT(prediction_line(scan), testing::EndsWith("up to 3.6 MB"));
+}
+
 TEST(ScanReport, TheLastLineSaysDone) {
   const std::string text = printed(
       {progress(ScanState::moving, 62, 0), progress(ScanState::moving, 63, 0), progress(ScanState::done, 63, 0)},

@@ -2,6 +2,7 @@
 //
 //   lumifield-bench … -- window_figures scan PLAN OUT.lumi SHOTS    a whole scan: latencies, screenshots at 5, 50, 100
 //   % window_figures open OUT.lumi SHOTS                               start and opening to the first picture; orbiting
+//   lumifield-bench … -- window_figures rehearse PLAN OUT.lumi SHOTS a rehearsal: screenshots on the way and at its end
 //   window_figures shots OUT.lumi FOLDER                             every panel (LUMIFIELD_THEME light or dark)
 //   window_figures lamps OUT.lumi FOLDER [SCENE]                     a lamp dragged: pictures a second, screenshots
 //   lumifield-bench … -- window_figures soak PLAN FOLDER MINUTES     a scan again and again: memory and waiting events
@@ -61,6 +62,26 @@ int scan(const QString& plan, const QString& out, const QString& shots) {
   latency.series.print("event-loop latency", "ms");
   shown.latency.print("cell handed in to picture painted, scan running", "ms");
   return model.measured() == model.total() ? 0 : 1;
+}
+
+int rehearsal(const QString& plan, const QString& out, const QString& shots) {
+  MainWindow window;
+  window.show();
+  window.show_scene(scene);
+  window.new_scan(std::getenv("LUMIFIELD_BENCH"), plan, out, false);
+  Workbench& work = window.workbench();
+  if (!QTest::qWaitFor([&] { return work.why_not_start().isEmpty(); }, 60'000)) return 1;
+  LoopLatency latency;
+  work.rehearse();
+  const auto begun = [&] { return work.scan().bench_view()->snapshot().place == "dark set 1"; };
+  if (!QTest::qWaitFor(begun, 60'000)) return 1;
+  QTest::qWait(300);
+  shoot(window, shots, "rehearsing");
+  if (!QTest::qWaitFor([&] { return !work.scan().busy(); }, 60'000)) return 1;
+  QTest::qWait(500);
+  shoot(window, shots, "rehearsed");
+  latency.series.print("event-loop latency", "ms");
+  return 0;
 }
 
 int open(const QString& dataset, const QString& shots) {
@@ -231,13 +252,14 @@ int main(int argc, char** argv) {
   const QString theme = qEnvironmentVariable("LUMIFIELD_THEME", "light");
   QSettings().setValue("window/theme", theme);
   if (words.value(1) == "scan" && words.size() > 3) return lumifield::scan(words[2], words[3], words.value(4));
+  if (words.value(1) == "rehearse" && words.size() > 4) return lumifield::rehearsal(words[2], words[3], words[4]);
   if (words.value(1) == "open" && words.size() > 2) return lumifield::open(words[2], words.value(3));
   if (words.value(1) == "shots" && words.size() > 3) return lumifield::shots(words[2], words[3]);
   if (words.value(1) == "lamps" && words.size() > 3)
     return lumifield::lamps(words[2], words[3], words.value(4, lumifield::scene));
   if (words.value(1) == "soak" && words.size() > 4) return lumifield::soak(words[2], words[3], words[4].toDouble());
   std::fputs(
-      "window_figures scan PLAN OUT SHOTS | open DATASET [SHOTS] | shots DATASET FOLDER | "
+      "window_figures scan PLAN OUT SHOTS | rehearse PLAN OUT SHOTS | open DATASET [SHOTS] | shots DATASET FOLDER | "
       "lamps DATASET FOLDER [SCENE] | soak PLAN FOLDER MINUTES\n",
       stderr);
   return 2;

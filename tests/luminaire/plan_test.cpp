@@ -19,6 +19,8 @@ constexpr const char* documented = R"({ "format": "lumifield-plan", "version": 1
 
 constexpr const char* limits_default =
     "plan.json: exposure_limits_s is absent, taken as [0.002,0.128], the plan's exposures alone";
+constexpr const char* stabilisation_default =
+    "plan.json: stabilisation is absent, taken as null, the scan does not wait for a steady lamp";
 
 std::string refusal_with(const char* pointer, const Json& value) {
   Json json = Json::parse(documented);
@@ -43,7 +45,8 @@ TEST(Plan, ReadsTheDocumentedFile) {
   EXPECT_EQ(plan->reference.every, 21);
   EXPECT_EQ(plan->limits.median_snr, 20);
   EXPECT_FALSE(plan->exposure_limits_s);
-  EXPECT_THAT(defaults, testing::ElementsAre("plan.json: name is absent, taken as \"\"", limits_default));
+  EXPECT_THAT(defaults,
+              testing::ElementsAre("plan.json: name is absent, taken as \"\"", limits_default, stabilisation_default));
 }
 
 TEST(Plan, TellsWhatItDoesNotKnow) {
@@ -53,14 +56,14 @@ TEST(Plan, TellsWhatItDoesNotKnow) {
   std::vector<std::string> notes;
   ASSERT_TRUE(parse_plan(json.dump(), "plan.json", &notes));
   EXPECT_THAT(notes, testing::ElementsAre("plan.json: name is absent, taken as \"\"", limits_default,
-                                          "plan.json: dark_every_cell is not known and ignored",
+                                          stabilisation_default, "plan.json: dark_every_cell is not known and ignored",
                                           "plan.json: measurement.colour is not known and ignored"));
 
   json = Json::parse(documented);
   for (int k = 0; k < 1000; ++k) json["key" + std::to_string(k)] = k;
   notes.clear();
   ASSERT_TRUE(parse_plan(json.dump(), "plan.json", &notes));
-  EXPECT_EQ(notes.size(), 23u);
+  EXPECT_EQ(notes.size(), 24u);
   EXPECT_EQ(notes.back(), "plan.json: 980 more members are not known and ignored");
 }
 
@@ -99,6 +102,35 @@ TEST(Plan, LimitsTheExposuresThatAScanMayChoose) {
   EXPECT_EQ(Json::parse(to_json(*parse_plan(documented, "plan.json")))["exposure_limits_s"], Json({0.002, 0.128}));
   for (const Json& wrong : {Json({1, 0.001}), Json({0, 1}), Json({0.001}), Json(1), Json(nullptr)})
     EXPECT_THAT(refusal_with("/exposure_limits_s", wrong), HasSubstr("plan.json: exposure_limits_s")) << wrong;
+}
+
+TEST(Plan, SaysWhenALampIsSteady) {
+  Json json = Json::parse(documented);
+  json["stabilisation"] = {{"within", 0.005}, {"over_s", 900}, {"limit_s", 3600}};
+  std::vector<std::string> notes;
+  const Result<Plan> plan = parse_plan(json.dump(), "plan.json", &notes);
+  ASSERT_TRUE(plan) << plan.error().message();
+  ASSERT_TRUE(plan->stabilisation);
+  EXPECT_EQ(plan->stabilisation->within, 0.005);
+  EXPECT_EQ(plan->stabilisation->over_s, 900);
+  EXPECT_EQ(plan->stabilisation->limit_s, 3600);
+  EXPECT_THAT(notes, testing::Not(testing::Contains(HasSubstr("stabilisation"))));
+  EXPECT_EQ(Json::parse(to_json(*plan))["stabilisation"], json["stabilisation"]);
+  EXPECT_EQ(Json::parse(to_json(*parse_plan(documented, "plan.json")))["stabilisation"], nullptr);
+
+  const auto refused = [&](const char* member, const Json& value) {
+    Json wrong = json["stabilisation"];
+    wrong[member] = value;
+    return refusal_with("/stabilisation", wrong);
+  };
+  EXPECT_THAT(refused("within", 0), HasSubstr("plan.json: stabilisation.within: is out of range"));
+  EXPECT_THAT(refused("within", 1), HasSubstr("stabilisation.within: is no spread of a steady lamp"));
+  EXPECT_THAT(refused("within", "1 %"), HasSubstr("stabilisation.within: has the wrong type"));
+  EXPECT_THAT(refused("over_s", 0.5), HasSubstr("stabilisation.over_s: is out of range"));
+  EXPECT_THAT(refused("limit_s", 899), HasSubstr("stabilisation.limit_s: is shorter than over_s"));
+  EXPECT_THAT(refused("limit_s", 1e6), HasSubstr("stabilisation.limit_s: is out of range"));
+  EXPECT_THAT(refusal_with("/stabilisation", {{"within", 0.01}}), HasSubstr("stabilisation.over_s"));
+  EXPECT_THAT(refusal_with("/stabilisation", 5), HasSubstr("stabilisation"));
 }
 
 TEST(Plan, NamesThePlaceOfWhatIsWrong) {

@@ -50,7 +50,7 @@ void press(QWidget& panel, const QString& text) {
 
 QStringList enabled(QWidget& panel) {
   QStringList all;
-  for (const char* text : {"Start", "Pause", "Resume", "Stop…"})
+  for (const char* text : {"Start", "Rehearse", "Pause", "Resume", "Stop…"})
     if (button(panel, text)->isEnabled()) all << text;
   return all;
 }
@@ -76,6 +76,16 @@ TEST(ScanPanel, SaysHowFarAndWhatAndWhenItEnds) {
   EXPECT_EQ(figure_text(panel, "Drift"), "+2.00 % ⚠");
 }
 
+TEST(ScanPanel, SaysHowSteadyTheLampIs) {
+  ScanPanel panel;
+  panel.set_activity(starting);
+  panel.set_activity(running);
+  ScanProgress progress = progress_of(0);
+  progress.stabilisation = {12345.6, 0.0123, 0.005, 1750, 1800};
+  panel.set_progress(progress);
+  EXPECT_TRUE(has_text(panel, "Lamp 12346 DN/s, spread 1.23 of 0.50 %, 29:10 at most: waiting until it is steady"));
+}
+
 TEST(ScanPanel, TheClockGoesOnBetweenTwoWordsButNotInAPause) {
   QDateTime now(QDate(2024, 5, 7), QTime(12, 0, 0));
   ScanPanel panel(nullptr, [&] { return now; });
@@ -98,7 +108,8 @@ TEST(ScanPanel, TheClockGoesOnBetweenTwoWordsButNotInAPause) {
 
 TEST(ScanPanel, ButtonsFollowTheScan) {
   ScanPanel panel;
-  const std::vector<std::pair<ScanActivity, QStringList>> expected{{idle, {"Start"}},
+  const std::vector<std::pair<ScanActivity, QStringList>> expected{{idle, {"Start", "Rehearse"}},
+                                                                   {rehearsing, {"Stop…"}},
                                                                    {starting, {"Stop…"}},
                                                                    {running, {"Pause", "Stop…"}},
                                                                    {pausing, {"Resume", "Stop…"}},
@@ -112,6 +123,48 @@ TEST(ScanPanel, ButtonsFollowTheScan) {
   panel.set_startable(false, "Choose a plan first");
   EXPECT_EQ(enabled(panel), QStringList());
   EXPECT_TRUE(button(panel, "Start")->toolTip().startsWith("Choose a plan first"));
+}
+
+TEST(ScanPanel, ARehearsalIsAskedForAndStoppedWithoutAQuestion) {
+  ScanPanel panel;
+  panel.show();
+  QSignalSpy start(&panel, &ScanPanel::startRequested), rehearse(&panel, &ScanPanel::rehearseRequested),
+      stop(&panel, &ScanPanel::stopRequested);
+  press(panel, "Rehearse");
+  EXPECT_EQ(rehearse.count(), 1);
+  EXPECT_EQ(start.count(), 0);
+  panel.set_activity(idle);
+  panel.set_progress(progress_of(37));
+  panel.set_activity(rehearsing);
+  ScanProgress tried = progress_of(62);
+  tried.state = ScanState::settling;
+  tried.place = "corner cell (0, 8), pass negative";
+  panel.set_progress(tried);
+  EXPECT_TRUE(has_text(panel, "Rehearsing: Letting the stage settle, corner cell (0, 8), pass negative"));
+  EXPECT_EQ(panel.findChild<QProgressBar*>()->text(), "37 of 63 cells");
+  press(panel, "Stop…");
+  EXPECT_FALSE(panel.controls().asks_to_stop());
+  EXPECT_EQ(stop.count(), 1);
+}
+
+TEST(ScanPanel, SaysWhatARehearsalTold) {
+  Rehearsal told;
+  told.camera = "Lumifield Virtual", told.stage = "Grbl 1.1h";
+  told.places = 8, told.took_s = 12, told.shot = {1, 2};
+  told.quality.saturated_share = 0.0012, told.quality.starved_share = 0.25, told.quality.median_snr = 80.4;
+  told.quality.warnings = {"0.12 % of its pixels are saturated"};
+  told.brightest_share = 0.412, told.signal_dn_per_s = 25'000.4;
+  told.scan = {63, 105, 0, 45.36e6, 82.6e9};
+  EXPECT_EQ(rehearsal_text(told),
+            "Rehearsed in 00:12 on Lumifield Virtual and Grbl 1.1h: 8 corner places reached; test shot of cell (1, 2): "
+            "brightest pixel at 41 % of saturation, 0.12 % of S saturated, 25.0 % starved, SNR 80, 0.12 % of its "
+            "pixels are saturated; reference cell: 25000 DN/s; the scan: 63 cells, about 01:45 (min:s), up to 45.4 MB "
+            "of the 82.6 GB that are free");
+  told.scan.stabilisation_s = 1800;
+  told.scan.free_bytes = 1e6;
+  EXPECT_TRUE(
+      rehearsal_text(told).endsWith("about 01:45 (min:s) once the lamp is steady, at most 30:00 before, up to "
+                                    "45.4 MB of the 1.0 MB that are free: too little room, free some"));
 }
 
 TEST(ScanPanel, StopAsksFirstInThePanel) {
@@ -197,12 +250,13 @@ TEST(ScanPanel, IsLowWhenWideAndOneColumnWhenNarrow) {
   QCoreApplication::processEvents();
   EXPECT_LE(panel.minimumSizeHint().height(), 90);
   EXPECT_EQ(panel.height(), 80);
-  panel.resize(400, 300);
+  panel.resize(panel.minimumSizeHint().width(), 300);
   QCoreApplication::processEvents();
-  EXPECT_EQ(panel.width(), 400);
+  EXPECT_EQ(panel.width(), 360);
   for (const QPushButton* child : panel.findChildren<QPushButton*>()) {
     if (!child->isVisible()) continue;
-    EXPECT_LE(child->mapTo(&panel, QPoint(child->width(), 0)).x(), 400) << child->text().toStdString();
+    EXPECT_LE(child->mapTo(&panel, QPoint(child->width(), 0)).x(), 360) << child->text().toStdString();
+    EXPECT_GE(child->width(), child->fontMetrics().horizontalAdvance(child->text())) << child->text().toStdString();
   }
 }
 

@@ -162,6 +162,54 @@ TEST_F(WorkbenchTest, RetakesAskedForWhileAScanStartsAreTaken) {
   EXPECT_EQ(work.model().state({1, 2}), LuminaireModel::State::measured);
 }
 
+TEST_F(WorkbenchTest, ARehearsalTakesTheDevicesTellsAndGivesThemBack) {
+  prepare("new.lumi");
+  ASSERT_TRUE(watched());
+  QSignalSpy rehearsed(&work.scan(), &ScanController::rehearsed), progressed(&work.scan(), &ScanController::progressed);
+  bench.hold_exposures(true);  // the rehearsal waits for the watch's exposure, this thread does not
+  work.rehearse();
+  EXPECT_EQ(work.scan().activity(), ScanActivity::rehearsing);
+  work.rehearse();
+  work.start();
+  work.retake({{0, 0}});
+  EXPECT_EQ(work.scan().activity(), ScanActivity::rehearsing);
+  EXPECT_EQ(work.model().measured(), 0);
+  bench.hold_exposures(false);
+  ASSERT_TRUE(comes([&] { return rehearsed.count() == 1; }));
+  EXPECT_EQ(work.scan().activity(), ScanActivity::idle);
+  EXPECT_GT(progressed.count(), 8);
+  EXPECT_EQ(faults, 0);
+  EXPECT_TRUE(notices.last().contains("8 corner places reached; test shot of cell (1, 1): brightest pixel at 42 %"))
+      << qPrintable(notices.last());
+  EXPECT_TRUE(notices.last().contains("the scan: 6 cells, about"));
+  EXPECT_FALSE(std::filesystem::exists(path("new.lumi"))) << "nothing is stored";
+  EXPECT_EQ(bench.most_cameras_at_once(), 1);
+  EXPECT_TRUE(watched());
+  work.start();
+  ASSERT_TRUE(idle());
+  EXPECT_EQ(work.model().measured(), 6);
+}
+
+TEST_F(WorkbenchTest, ARehearsalIsStoppedAndTellsItsTroubles) {
+  prepare("new.lumi");
+  ASSERT_TRUE(watched());
+  bench.hold_exposures_after(1);
+  work.rehearse();
+  work.scan().stop();
+  EXPECT_EQ(work.scan().activity(), ScanActivity::stopping);
+  bench.hold_exposures(false);
+  ASSERT_TRUE(idle());
+  EXPECT_TRUE(notices.last().contains("The rehearsal was stopped")) << qPrintable(notices.last());
+
+  ASSERT_TRUE(watched());
+  bench.trip_stage_after(3);
+  work.rehearse();
+  ASSERT_TRUE(idle());
+  EXPECT_EQ(faults, 1);
+  EXPECT_TRUE(notices.last().contains("The rehearsal failed: corner cell (1, 2), pass positive: stage: alarm 1"))
+      << qPrintable(notices.last());
+}
+
 TEST_F(WorkbenchTest, AScanPreparedDuringALoadCounts) {
   write("other.lumi", 2);
   work.open(path("other.lumi"));

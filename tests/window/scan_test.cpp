@@ -3,6 +3,7 @@
 #include <QAbstractButton>
 #include <QAction>
 #include <QApplication>
+#include <QFileInfo>
 #include <QMessageBox>
 #include <QPushButton>
 #include <QSignalSpy>
@@ -14,6 +15,8 @@
 
 #include "app/views/grid_map.h"
 #include "app/views/main_window.h"
+#include "app/views/notices_model.h"
+#include "app/views/notices_panel.h"
 #include "app/views/preview_panel.h"
 #include "app/views/preview_view.h"
 #include "app/views/scan_controls.h"
@@ -67,6 +70,34 @@ class WindowTest : public testing::Test {
   QTemporaryDir place;
   std::unique_ptr<MainWindow> window;
 };
+
+TEST_F(WindowTest, RehearsesBeforeTheScan) {
+  window->new_scan(std::getenv("LUMIFIELD_BENCH"), LUMIFIELD_SOURCE_DIR "/tests/app/plans/small.json",
+                   folder("lamp.lumi"), false);
+  ASSERT_TRUE(wait_for([&] { return controls().rehearse_action()->isEnabled(); }));
+  QSignalSpy rehearsed(&window->workbench().scan(), &ScanController::rehearsed);
+  press(controls().rehearse_action());
+  EXPECT_EQ(activity(), ScanActivity::rehearsing);
+  ASSERT_TRUE(wait_for([&] { return rehearsed.count() == 1; }));
+  const NoticesModel& notices = window->findChild<NoticesPanel*>()->notices();
+  EXPECT_EQ(notices.count(OperatorNotice::Level::fault), 0);
+  const QString told = notices.line(notices.rowCount() - 1);
+  EXPECT_TRUE(told.contains("8 corner places reached; test shot of cell (1, 2)")) << qPrintable(told);
+  EXPECT_TRUE(told.contains("the scan: 20 cells, about")) << qPrintable(told);
+
+  // Once more, stopped at once.
+  press(controls().rehearse_action());
+  press(controls().stop_action());
+  ASSERT_TRUE(wait_for([&] { return rehearsed.count() == 2; }));
+  EXPECT_EQ(rehearsed[1][0].toString(), "The rehearsal was stopped.");
+
+  // Closing the window ends it without a question.
+  press(controls().rehearse_action());
+  window->close();
+  ASSERT_TRUE(wait_for([&] { return !window->isVisible(); }));
+  EXPECT_EQ(activity(), ScanActivity::idle);
+  EXPECT_FALSE(QFileInfo::exists(folder("lamp.lumi")));
+}
 
 TEST_F(WindowTest, ScansWithAPauseAndARetake) {
   scan_into("lamp.lumi");
