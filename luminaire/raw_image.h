@@ -14,8 +14,8 @@ namespace lumifield {
 /// Colour filter of each photosite; RGGB: even row even column R, even row odd column G, odd row odd column B.
 enum class SensorPattern { mono, rggb, grbg, gbrg, bggr };
 
-/// One complete frame as the sensor gave it. Only complete frames become one. Row-major, top row first, DN right-aligned
-/// in 16 bits. Value type, moved.
+/// One complete frame as the sensor gave it. Only complete frames become one. Row-major, top row first, DN
+/// right-aligned in 16 bits. Value type, moved.
 struct RawImage {
   int width_px = 0, height_px = 0;
   int bits = 12;
@@ -40,10 +40,12 @@ struct DarkSet {
 struct RawPass {
   std::string name;
   Bracket bracket;
-  Vec2 stage_mm{0, 0};  ///< read back while exposing
+  Vec2 stage_mm{0, 0};                       ///< read back while exposing
+  std::shared_ptr<const DarkSet> dark = {};  ///< its own, where the passes were not taken together; null: the cell's
 };
 
-/// Everything measured for one cell: all its passes in the bench's order, so that a stored cell is complete.
+/// Everything measured for one cell: all its passes in the bench's order, so that a stored cell is complete; or one of
+/// them, where the operator changes the pass.
 struct RawCell {
   CellIndex cell;
   int generation = 1;
@@ -60,6 +62,7 @@ struct ReferenceReading {
   double signal_dn_per_s = 0;  ///< mean dark-subtracted DN/s of the chosen exposure of the first pass
   double drift = 0;            ///< against the first reading of the scan, or of the dataset that it resumes
   double exposure_s = 0;       ///< the chosen one
+  int pass = 0;                ///< through which it was read; drift is against the first reading through the same
 };
 
 }  // namespace lumifield
