@@ -27,10 +27,11 @@ struct ScanProgress {
   std::optional<CellIndex> cell;        ///< the one being worked on; none at dark sets and at the reference
   std::string place;                    ///< "cell (2, 3)", "dark set 1", "reference cell (3, 4)"
   double elapsed_s = 0, left_s = 0;
-  std::string pass;   ///< its name, where the operator changes it: cells are then those whose pass is taken
-  std::string slide;  ///< in a pause: the pass whose slide is to be put in
   std::string
       trouble;  ///< in a pause: why the scan cannot go on by itself, and what to do; empty when it was asked for
+  /// Its name, where the operator changes it: cells are then those whose pass is taken.
+  std::string pass = {};
+  std::string slide = {};  ///< in a pause: the pass whose slide is to be put in
 };
 
 /// Where the scan's time went. Everything but move, settle, exposure and readout is idle time of the bench.

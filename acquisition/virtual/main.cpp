@@ -28,7 +28,7 @@ struct Options {
   WorldOptions world;
   GigeCameraOptions camera;
   GrblOptions stage;
-  std::string filter = "bell:7.5:4", carries = "slide", knobs, points, out, line;
+  std::string filter = "bell:7.5:4", carries = "slide", change = "stage", knobs, points, out, line;
   std::vector<std::string> command, set;
   bool projected = false;
   TruthGrid grid;
@@ -118,10 +118,12 @@ KnobPanel make_knobs(Devices& bench) {
                            const Vec2 at = bench.stage->true_position_mm();
                            return std::to_string(at.x()) + " " + std::to_string(at.y());
                          }}}};
-  for (const auto& [name, values] : {std::pair{"noise", "0|1"},
-                                     {"optics", "0|1"},
-                                     {"filter", "0|1, 0: no slide"},
-                                     {"lamp_drift", "relative change per hour"}})
+  for (const auto& [name, values] :
+       {std::pair{"noise", "0|1"},
+        {"optics", "0|1"},
+        {"filter", "0|1, 0: no slide"},
+        {"slide", "0|1|2, 0: the one with both filters, 1: with the positive, 2: the negative"},
+        {"lamp_drift", "relative change per hour"}})
     knobs[name] = {values, [&bench, name = name](double value) { return bench.world->set(name, value); }, {}};
   return knobs;
 }
@@ -228,6 +230,8 @@ int parse_and_run(int argc, char** argv) {
   app.add_option("--set", options.set, "NAME=VALUE of a knob from the start; may be repeated")->allow_extra_args(false);
   app.add_option("--loss", options.camera.lost_packet_ratio, "share of stream packets lost")->check(CLI::Range(0., 1.));
   app.add_option("--carries", options.carries, "what the stage moves")->check(of({"slide", "lamp"}));
+  app.add_option("--change", options.change, "who changes the pass; by the operator: knob slide, at first 1")
+      ->check(of({"stage", "operator"}));
   CLI::Option* format = app.add_option("--pixel-format", world.pixel_format, "BayerRG12 is the led-array's default")
                             ->check(of({"Mono12", "Mono16", "BayerRG12"}));
   app.add_option("--noise", world.noise, "on or off: shot and read noise, dark current, hot pixels");
@@ -262,6 +266,7 @@ int parse_and_run(int argc, char** argv) {
   }
   options.stage.soft_limits = options.stage.hard_limits = stage_limits;
   world.carries = options.carries == "lamp" ? StageCarries::lamp : StageCarries::slide;
+  world.change = options.change == "operator" ? PassChange::by_operator : PassChange::stage;
   if (const Status filter = apply_filter(options.filter, world); !filter) return report(filter.error(), 2);
   if (format->empty() && world.lamp == "led-array") world.pixel_format = "BayerRG12";
   if (!*truth) return run_bench(options, devices, panel);
