@@ -25,11 +25,13 @@ void add_end(Json& json, const ScanSummary& summary) {
 
 Json json_of(const std::vector<ReferenceReading>& readings) {
   Json json = Json::array();
-  for (const ReferenceReading& reading : readings)
+  for (const ReferenceReading& reading : readings) {
     json.push_back({{"cells_done", reading.cells_done},
                     {"signal_dn_per_s", reading.signal_dn_per_s},
                     {"exposure_s", reading.exposure_s},
                     {"drift", reading.drift}});
+    if (reading.pass != 0) json.back()["pass"] = reading.pass;
+  }
   return json;
 }
 

@@ -53,7 +53,8 @@ Result<Rehearsal> run(const RehearsalRequest& request, std::stop_token stop,
   if (!steps) return tl::unexpected(steps.error());
   const auto whole = make_scan_plan(bench, plan);
   if (!whole) return tl::unexpected(whole.error());
-  auto developer = Developer::create(bench, plan);
+  const bool one_pass = bench.filter.change == PassChange::by_operator;  // whose slide is in
+  auto developer = Developer::create(one_pass ? with_pass(bench, 0) : bench, plan);
   if (!developer) return tl::unexpected(developer.error());
 
   BenchView unseen;
@@ -78,7 +79,7 @@ Result<Rehearsal> run(const RehearsalRequest& request, std::stop_token stop,
   told.cells = whole->cells;
   const StageSpeed speed = stage_speed(bench.stage, instruments.stage().info());
   told.scan_s = scan_time_s(whole->steps, bench, plan, speed);
-  told.scan_bytes = whole->cells * stored_cell_bytes(developer->geometry());
+  told.scan_bytes = whole->cells * (stored_cell_bytes(developer->geometry()) + half_cells_bytes(bench, plan));
   told.free_bytes = room_for(request.out);
   return told;
 }
