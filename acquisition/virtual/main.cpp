@@ -28,7 +28,7 @@ struct Options {
   WorldOptions world;
   GigeCameraOptions camera;
   GrblOptions stage;
-  std::string filter = "bell:7.5:4", carries = "slide", change = "stage", knobs, points, out, line;
+  std::string filter = "bell:7.5:4", size = "1024x768", carries = "slide", change = "stage", knobs, points, out, line;
   std::vector<std::string> command, set;
   bool projected = false;
   TruthGrid grid;
@@ -93,6 +93,14 @@ Status apply_filter(const std::string& text, WorldOptions& world) {
   if (!basis) return fail("not a filter", "--filter " + text, "give BASIS:SPACING_MM:WINDOW, for example bell:7.5:4");
   world.basis = *basis;
   world.spacing_mm = {spacing_mm, spacing_mm};
+  return check(world);
+}
+
+// "1024x768"
+Status apply_size(const std::string& text, WorldOptions& world) {
+  char rest;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &world.width_px, &world.height_px, &rest) != 2)
+    return fail("not a sensor's size", "--size " + text, "give WIDTHxHEIGHT, for example 1024x768");
   return check(world);
 }
 
@@ -234,6 +242,7 @@ int parse_and_run(int argc, char** argv) {
       ->check(of({"stage", "operator"}));
   CLI::Option* format = app.add_option("--pixel-format", world.pixel_format, "BayerRG12 is the led-array's default")
                             ->check(of({"Mono12", "Mono16", "BayerRG12"}));
+  app.add_option("--size", options.size, "WIDTHxHEIGHT of the sensor, px");
   app.add_option("--noise", world.noise, "on or off: shot and read noise, dark current, hot pixels");
   app.add_option("--optics", world.optics, "on or off: distortion, vignetting and blur; off is an ideal pinhole");
   app.add_option("--stage-speed", options.stage.rapid_mm_s, "mm/s")->check(CLI::Range(0.1, 1e4));
@@ -268,6 +277,7 @@ int parse_and_run(int argc, char** argv) {
   world.carries = options.carries == "lamp" ? StageCarries::lamp : StageCarries::slide;
   world.change = options.change == "operator" ? PassChange::by_operator : PassChange::stage;
   if (const Status filter = apply_filter(options.filter, world); !filter) return report(filter.error(), 2);
+  if (const Status size = apply_size(options.size, world); !size) return report(size.error(), 2);
   if (format->empty() && world.lamp == "led-array") world.pixel_format = "BayerRG12";
   if (!*truth) return run_bench(options, devices, panel);
   const Status written = write_truth(world, options.projected, options.points, options.out, options.grid);

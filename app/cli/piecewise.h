@@ -9,7 +9,7 @@
 namespace lumifield {
 
 /// A computation in pieces of this length, so that the operator is told how it goes and can stop it.
-inline constexpr double piece_s = 0.25;
+inline constexpr double piece_s = 1;
 
 /// Progress on stderr of a computation that takes longer than a second: share, time passed, time left. Thread-bound.
 class Piecewise {

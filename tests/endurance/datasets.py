@@ -8,18 +8,31 @@ import subprocess
 def durable_cells(dataset, written_lines=None):
     """The entry of each cell: the manifest's, then the journal's whole lines, the last one counting. Of a journal that
     is being written, give how many lines are known to be flushed."""
-    if not (dataset / "luminaire.json").exists():
+    manifest = parsed(contents(dataset / "luminaire.json"))
+    if not manifest:
         return {}
-    entries = json.loads((dataset / "luminaire.json").read_text())["cells"]
-    return {(entry["row"], entry["column"]): entry for entry in entries + journal(dataset)[:written_lines]}
+    entries = manifest["cells"] + journal(dataset)[:written_lines]
+    return {(entry["row"], entry["column"]): entry for entry in entries}
 
 
 def journal(dataset):
+    lines = contents(dataset / "journal.jsonl").split(b"\n")[:-1]
+    return [entry for line in lines if (entry := parsed(line))]
+
+
+def contents(file):
     try:
-        lines = (dataset / "journal.jsonl").read_bytes().split(b"\n")[:-1]
+        return file.read_bytes()
     except FileNotFoundError:
-        return []
-    return [json.loads(line) for line in lines]
+        return b""
+
+
+def parsed(text):
+    """Nothing where it is damaged, as a file that was not flushed may be."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        return None
 
 
 def lost_cells(before, dataset):
@@ -27,13 +40,16 @@ def lost_cells(before, dataset):
     after = durable_cells(dataset)
 
     def is_there(cell, entry):
-        return entry["sha256"] == after.get(cell, {}).get("sha256") == checksum(dataset / entry["file"])
+        sha256 = hashlib.sha256(contents(dataset / entry["file"])).hexdigest()
+        return entry["sha256"] == after.get(cell, {}).get("sha256") == sha256
 
-    return [cell for cell, entry in before.items() if not is_there(cell, entry)]
+    return {cell for cell, entry in before.items() if not is_there(cell, entry)}
 
 
-def checksum(file):
-    return hashlib.sha256(file.read_bytes()).hexdigest() if file.exists() else None
+def written_ns(durable, dataset):
+    """When the file of each cell that is there was written."""
+    files = {cell: dataset / entry["file"] for cell, entry in durable.items()}
+    return {cell: file.stat().st_mtime_ns for cell, file in files.items() if file.exists()}
 
 
 def leftovers(dataset):

@@ -1,11 +1,14 @@
 """Disks that fill, fail, turn read-only and lose their power under a scan."""
 
+import contextlib
 import fcntl
 import os
+import pathlib
 import shutil
 import struct
 import subprocess
 import sys
+import tempfile
 import time
 
 from datasets import durable_cells, journal
@@ -25,7 +28,7 @@ def mount(undo, target, *options):
     return target
 
 
-def fails(trials, fault, scan, dataset, words, bench, durable=None, repair=lambda: None):
+def fails(trials, fault, scan, dataset, words, bench, durable=None, repair=lambda: None, must_lose=False):
     """A scan whose disk fails now: it ends with an error that says what, and goes on after the repair.
     False when the bench failed it first."""
     start = time.monotonic()
@@ -38,18 +41,34 @@ def fails(trials, fault, scan, dataset, words, bench, durable=None, repair=lambd
     if not wrong and not durable:
         wrong = "no cell was durable before the fault"
     repair()
+    if must_lose:
+        trials.expect_loss(fault, dataset, durable, wrong)
+        return True
     trials.finish(fault, dataset, durable, bench, ended_s=ended_s, said=scan.said(), wrong=wrong)
     return True
 
 
 def full(trials, undo):
+    """The scan waits, and goes on by itself once there is room."""
     disk = mount(undo, trials.folder / "full", "-t", "tmpfs", "-o", "size=256k", "none")
     dataset = trials.new_dataset(disk)
     with trials.bench() as bench:
         scan = trials.scan(bench, dataset)
-        scan.wait_for_cells(dataset, in_mid_scan)
-        return fails(trials, "full: tmpfs of 256 KiB", scan, dataset, "No space left on device", bench,
-                     repair=lambda: run("mount", "-o", "remount,size=8m", disk))
+        waits = scan.wait_for_line("storing waits")
+        if not waits and trials.troubled(scan):
+            return False
+        durable = durable_cells(dataset)
+        ended = scan.ends_within(1.2)  # it looks for room every half second
+        run("mount", "-o", "remount,size=8m", disk)
+        start = time.monotonic()
+        wrong = scan.wrong_end(0)
+        if wrong and trials.troubled(scan):
+            return False
+        ended_s = time.monotonic() - start
+    if ended or not durable or not scan.line_with("storing goes on"):
+        wrong = wrong or "it did not wait for room"
+    trials.judge("full: tmpfs of 256 KiB", dataset, durable, wrong, ended_s=ended_s, said=waits)
+    return True
 
 
 def read_only(trials, undo):
@@ -102,43 +121,58 @@ def full_beneath(trials, undo):
                      repair)
 
 
-def power_cut(trials, undo):
-    """ext4 stops at once, and what was not flushed is gone."""
-    image = ext4_image(trials.folder / "power.image")
-    undo.callback(image.unlink)
-    disk = mount(undo, trials.folder / "power", "-o", "loop", image)
-    dataset = trials.new_dataset(disk)
+def power_cut(fault="power cut: ext4 shut down", unflushed=None):
+    """ext4 stops at once, and what was not flushed is gone. Flushing the files `unflushed`, all if empty, does nothing:
+    then cells must be lost, or nothing shows here that they would be."""
 
-    def repair():
-        run("umount", disk)
-        run("mount", "-o", "loop", image, disk)  # replays the file system's own journal
-        run("umount", disk)
-        run("e2fsck", "-fn", image)
-        run("mount", "-o", "loop", image, disk)
+    def trial(trials, undo):
+        image = ext4_image(trials.folder / "power.image")
+        undo.callback(image.unlink)
+        disk = mount(undo, trials.folder / "power", "-o", "loop", image)
+        dataset = trials.new_dataset(disk)
+        run("sync", "-f", disk)  # the dataset's folder
 
-    with trials.bench() as bench:
-        scan = trials.scan(bench, dataset)
-        scan.wait_for_cells(dataset, in_mid_scan)
-        time.sleep(trials.random.uniform(0, trials.whole_s / 4))
-        durable = durable_flushed(dataset)
-        shut_down, without_log = 0x8004587D, struct.pack("I", 2)  # EXT4_IOC_SHUTDOWN, EXT4_GOING_FLAGS_NOLOGFLUSH
-        folder = os.open(disk, os.O_RDONLY)
-        fcntl.ioctl(folder, shut_down, without_log)
-        os.close(folder)
-        return fails(trials, "power cut: ext4 shut down", scan, dataset, "Input/output error", bench, durable, repair)
+        def repair():
+            run("umount", disk)
+            run("mount", "-o", "loop", image, disk)  # replays the file system's own journal
+            run("umount", disk)
+            run("e2fsck", "-fn", image)
+            run("mount", "-o", "loop", image, disk)
+
+        must_lose = unflushed is not None
+        under = traced([dataset / file for file in unflushed], "fsync", "retval=0") if must_lose else []
+        with trials.bench() as bench:
+            scan = trials.scan(bench, dataset, *under)
+            scan.wait_for_cells(dataset, in_mid_scan)
+            time.sleep(trials.random.uniform(0, trials.whole_s / 4))
+            durable = durable_flushed(dataset)
+            shut_down, without_log = 0x8004587D, struct.pack("I", 2)  # EXT4_IOC_SHUTDOWN, EXT4_GOING_FLAGS_NOLOGFLUSH
+            folder = os.open(disk, os.O_RDONLY)
+            fcntl.ioctl(folder, shut_down, without_log)
+            os.close(folder)
+            return fails(trials, fault, scan, dataset, "Input/output error", bench, durable, repair, must_lose)
+
+    return trial
 
 
-def injected(fault, file, calls, when, words="Input/output error", before=None):
+def traced(files, calls, injection):
+    """Before a command: puts something in the place of the calls on these files, on all if there are none. A traced
+    program cannot look for leaks."""
+    paths = [word for file in files for word in ("-P", file)]
+    return ["strace", "-f", "-qq", "--seccomp-bpf", "-E", "LSAN_OPTIONS=detect_leaks=0", "-o", "/dev/null", *paths,
+            "-e", f"trace={calls}", "-e", f"inject={calls}:{injection}"]
+
+
+def injected(fault, file, calls, when, before=None):
     """The calls on one file of the dataset fail."""
 
     def trial(trials, undo):
         dataset = trials.new_dataset()
-        under = ["strace", "-f", "-qq", "--seccomp-bpf", "-o", "/dev/null", "-P", dataset / file, "-e",
-                 f"trace={calls}", "-e", f"inject={calls}:error=EIO:when={when}"]
+        under = traced([dataset / file], calls, f"error=EIO:when={when}")
         with trials.bench() as bench:
             if before:
                 before(trials, bench, dataset)
-            return fails(trials, fault, trials.scan(bench, dataset, *under), dataset, words, bench)
+            return fails(trials, fault, trials.scan(bench, dataset, *under), dataset, "Input/output error", bench)
 
     return trial
 
@@ -149,22 +183,49 @@ def half_a_scan(trials, bench, dataset):
     scan.kill()
 
 
+def mountable(options_in):
+    with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as undo:
+        try:
+            mount(undo, pathlib.Path(folder) / "disk", *options_in(pathlib.Path(folder)))
+        except (subprocess.CalledProcessError, FileNotFoundError):
+            return False
+    return True
+
+
+def may_mount():
+    return os.environ.get("SURVIVE_MOUNTS") == "own" and mountable(lambda folder: ["-t", "tmpfs", "none"])
+
+
+def may_loop():
+    return mountable(lambda folder: ["-o", "loop", ext4_image(folder / "image")])
+
+
 def may_inject():
-    traced = ["strace", "-qq", "-o", "/dev/null", "true"]
-    return shutil.which("strace") and subprocess.run(traced, stderr=subprocess.DEVNULL).returncode == 0
+    command = [*traced([], "fsync", "retval=0"), "true"]
+    return shutil.which("strace") and subprocess.run(command, stderr=subprocess.DEVNULL).returncode == 0
+
+
+mounts = [("small disks need root and mounts of their own", may_mount)]
+loops = mounts + [("power cuts need ext4 on loop devices", may_loop)]
+strace = [("calls that fail or do nothing need strace", may_inject)]
+
+eio_on_flush = injected("EIO on fsync of a cell", cell_in_mid_scan, "fsync", "1+")
+all_faults = [
+    (mounts, full), (mounts, read_only), (loops, power_cut()), (loops, power_cut()), (loops, power_cut()),
+    (strace, injected("EIO on write of a cell", cell_in_mid_scan, "write", "1+")), (strace, eio_on_flush),
+    (loops, full_beneath), (strace, injected("EIO on write of the journal", "journal.jsonl", "write", "5+")),
+    (strace, injected("EIO on fsync of the journal", "journal.jsonl", "fsync", "5+")),
+    (strace, injected("EIO on write of the manifest, closing", "luminaire.json.tmp", "write", "1+", half_a_scan)),
+    (strace, injected("EIO on fsync of the manifest, closing", "luminaire.json.tmp", "fsync", "1+", half_a_scan))]
+short_faults = [(mounts, full), (mounts, read_only), (strace, eio_on_flush)]
+
+cells = [f"cells/r{row:02}_c{column:02}.1.exr.tmp" for row in range(3) for column in range(4)]
+unflushed_faults = [(loops, power_cut()), (loops + strace, power_cut("cells never flushed", cells)),
+                    (loops + strace, power_cut("journal never flushed", ["journal.jsonl"])),
+                    (loops + strace, power_cut("nothing ever flushed", []))]
 
 
 def faults(which):
-    if which == "none":
-        return []
-    mounted = [full, read_only] + [power_cut] * (3 if which == "all" else 1)
-    writes = injected("EIO on write of a cell", cell_in_mid_scan, "write", "1+")
-    flushes = injected("EIO on fsync of a cell", cell_in_mid_scan, "fsync", "1+")
-    more = [full_beneath, injected("EIO on write of the journal", "journal.jsonl", "write", "5+"),
-            injected("EIO on fsync of the journal", "journal.jsonl", "fsync", "5+"),
-            injected("EIO on write of the manifest, closing", "luminaire.json.tmp", "write", "1+", before=half_a_scan),
-            injected("EIO on fsync of the manifest, closing", "luminaire.json.tmp", "fsync", "1+", before=half_a_scan)]
-    if not may_inject():
-        print("SKIPPED: EIO on single calls, which needs strace")
-        return mounted + ([full_beneath] if which == "all" else [])
-    return mounted + [writes, flushes] + (more if which == "all" else [])
+    """Each fault behind the rights that it needs, and how to find out about them."""
+    return {"all": all_faults + unflushed_faults[1:], "short": short_faults, "unflushed": unflushed_faults,
+            "none": []}[which]

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 
-from datasets import difference, journal, lost_cells
+from datasets import contents, difference, journal, lost_cells, parsed, written_ns
 
 patience_s = 180  # for one scan, on a machine that is busy
 
@@ -56,6 +56,16 @@ class Scan:
         while len(journal(dataset)) < cells and self.process.poll() is None:
             time.sleep(0.005)
 
+    def line_with(self, words):
+        """What it said on stderr with these words."""
+        return next((line for line in self.said_in.read_text().splitlines() if words in line), "")
+
+    def wait_for_line(self, words):
+        """The same, empty if it ends before it says so."""
+        while self.process.poll() is None and not self.line_with(words):
+            time.sleep(0.02)
+        return self.line_with(words)
+
     def kill(self):
         self.process.kill()
         self.process.communicate()
@@ -81,19 +91,23 @@ class Row:
     ended_s: float | None  # of a fault of the disk: from the fault's first sign to the program's end
     durable: int
     lost: int
-    resumed_s: float
+    resumed_s: float | None  # nothing where the scan went on by itself
     differs: str
     said: str
     wrong: str
+    must_lose: bool = False  # a store whose flushes do nothing
 
     def failed(self):
-        return bool(self.lost or self.differs or self.wrong)
+        return bool(self.lost) != self.must_lose or bool(self.differs or self.wrong)
 
     def __str__(self):
-        text = self.fault + (f" at {self.at_s:.3f} s" if self.at_s is not None else f", ended in {self.ended_s:.1f} s")
-        text += f": {self.durable} durable, {self.lost} lost, resumed in {self.resumed_s:.1f} s, "
+        text = self.fault
+        for word, figure in (("at", self.at_s), ("ended in", self.ended_s), ("resumed in", self.resumed_s)):
+            text += f", {word} {figure:.3f} s" if figure is not None else ""
+        text += f": {self.durable} durable, {self.lost} lost, "
         wrong = self.wrong and f"WRONG: {self.wrong}"
-        return text + "; ".join(filter(None, [self.differs or "identical", self.said, wrong]))
+        as_due = ("as it must" if self.lost else "NOT SEEN") if self.must_lose else "identical"
+        return text + "; ".join(filter(None, [self.differs or as_due, self.said, wrong]))
 
 
 class Trials:
@@ -102,7 +116,7 @@ class Trials:
         self.plan = source / "tests/endurance/plan.json"
         self.random = random.Random(seed)
         self.rows, self.datasets, self.troubles = [], 0, 0
-        while not self.measure():
+        while not self.measure_whole():
             pass
 
     def bench(self):
@@ -140,36 +154,56 @@ class Trials:
         if scan.wrong_end(0) and not self.troubled(scan):
             sys.exit(f"a scan that nothing disturbed ends with {scan.process.returncode}: {scan.said()}")
 
-    def measure(self):
-        """The two uninterrupted scans, and how long they and their parts take. False when the bench failed them."""
+    def measure_whole(self):
+        """The uninterrupted scan, and how long it takes. False when the bench failed it."""
         self.reference = self.new_dataset()
         with self.bench() as bench:
             start = time.monotonic()
             whole = self.scan(bench, self.reference)
             self.ended_early(whole)
             self.whole_s = time.monotonic() - start
+        return whole.process.returncode == 0
+
+    def measure_retaking(self):
+        """The same with cells taken again, and how long that and closing take."""
         retaken = self.new_dataset()
         with self.bench() as bench:
             scan = self.retaking_scan(bench, retaken)
             at = [time.monotonic() for word in ("retaking", "retaken", "closing") if scan.wait_for(word)]
             self.ended_early(scan)
-        if whole.process.returncode != 0 or scan.process.returncode != 0:
+        if scan.process.returncode != 0:
             return False
         self.retaking_s, self.closing_s = at[1] - at[0], time.monotonic() - at[2]
         if differs := self.difference(retaken, retaken=True):
             sys.exit(f"cells taken again are others: {differs}")
         return True
 
-    def finish(self, fault, dataset, durable, bench, at_s=None, ended_s=None, said="", wrong="", retaken=False):
-        """Goes on with the scan, and judges what came of it."""
+    def finish(self, fault, dataset, durable, bench, wrong="", **told):
+        """Goes on with the scan, and judges what came of it. A cell that was lost is taken again to the bit: so what
+        was lost is looked for before."""
+        lost, written = lost_cells(durable, dataset), written_ns(durable, dataset)
         start = time.monotonic()
         scan = self.scan(bench, dataset)
         while (resumed_wrong := scan.wrong_end(0)) and self.troubled(scan):
             scan = self.scan(bench, dataset)
         resumed_s = time.monotonic() - start
-        differs = "not complete" if resumed_wrong else self.difference(dataset, retaken)
-        row = Row(fault, at_s, ended_s, len(durable), len(lost_cells(durable, dataset)), resumed_s, differs,
-                  said.replace(f"{dataset.parent}/", ""), wrong or resumed_wrong)
+        after = written_ns(durable, dataset)
+        lost |= {cell for cell in durable if after.get(cell) != written.get(cell)}
+        self.judge(fault, dataset, durable, wrong or resumed_wrong, lost, resumed_s=resumed_s, **told)
+
+    def judge(self, fault, dataset, durable, wrong, lost=frozenset(), at_s=None, ended_s=None, resumed_s=None, said="",
+              retaken=False):
+        whole = parsed(contents(dataset / "luminaire.json"))
+        differs = self.difference(dataset, retaken) if whole else "no manifest"
+        self.keep(Row(fault, at_s, ended_s, len(durable), len(lost | lost_cells(durable, dataset)), resumed_s, differs,
+                      said.replace(f"{dataset.parent}/", ""), wrong), dataset)
+
+    def expect_loss(self, fault, dataset, durable, wrong):
+        """Of a store whose flushes do nothing."""
+        lost = len(lost_cells(durable, dataset))
+        self.keep(Row(fault, None, None, len(durable), lost, None, "", "", wrong, must_lose=True), dataset)
+
+    def keep(self, row, dataset):
         self.rows.append(row)
         print(f"{len(self.rows):4} {row}", file=sys.stderr, flush=True)
         if row.failed():
