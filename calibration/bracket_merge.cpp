@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <list>
 
 namespace lumifield {
 namespace {
@@ -38,9 +39,16 @@ struct Exposure {
   float fade_end = 0, fade_slope = 0;
 };
 
+/// A dark set, or none, and its frames.
+struct Darks {
+  const DarkModel* model = nullptr;
+  std::vector<Exposure> frames;
+};
+
 struct Pass {
   std::vector<Exposure> exposures;
   float scale = 1;
+  const Darks* darks = nullptr;
 };
 
 Exposure make_exposure(const RawImage& light, const DarkModel* dark, const Sensor& sensor) {
@@ -62,6 +70,13 @@ Exposure make_exposure(const RawImage& light, const DarkModel* dark, const Senso
   return x;
 }
 
+Darks make_darks(const DarkModel* model, const Sensor& sensor) {
+  Darks darks{model, {}};
+  if (model)
+    for (const RawImage& frame : model->bracket()) darks.frames.push_back(make_exposure(frame, nullptr, sensor));
+  return darks;
+}
+
 /// The arrays of one block.
 struct Lanes {
   Lanes(std::size_t exposures, std::size_t darks)
@@ -79,9 +94,8 @@ struct Lanes {
 /// One block of one row, and what stays the same over it.
 class BlockMerge {
  public:
-  BlockMerge(const DarkModel* dark, const Sensor& sensor, Lanes& lanes)
-      : dark_(dark),
-        saturation_(static_cast<float>(sensor.saturation_dn)),
+  BlockMerge(const Sensor& sensor, Lanes& lanes)
+      : saturation_(static_cast<float>(sensor.saturation_dn)),
         black_(static_cast<float>(sensor.black_level_dn)),
         hot_(static_cast<float>(sensor.black_level_dn + hot_share * (sensor.saturation_dn - sensor.black_level_dn))),
         lanes_(lanes) {}
@@ -90,14 +104,11 @@ class BlockMerge {
     offset_ = offset, size_ = size;
     for (Lane* lane : {&lanes_.value, &lanes_.variance, &lanes_.electrons}) lane->fill(0);
     lanes_.valid.fill(1);
-    for (Lane& lane : lanes_.dark_share) lane.fill(0);
-    if (dark_)
-      std::copy_n(dark_->rate().begin() + static_cast<std::ptrdiff_t>(offset), size, lanes_.dark_rate.begin());
-    else
-      lanes_.dark_rate.fill(0);
+    darks_ = nullptr;
   }
 
   void add(const Pass& pass) {
+    if (pass.darks != darks_) change_darks(pass.darks);
     for (std::size_t k = 0; k < pass.exposures.size(); ++k) read(pass.exposures[k], k);
     pool(pass);
     weigh(pass, false);
@@ -105,20 +116,32 @@ class BlockMerge {
     accumulate(pass);
   }
 
-  void finish(std::span<const Exposure> darks, const float* factor, PhotositeSignal* out) {
-    // Add the noise of each dark frame once
-    for (std::size_t d = 0; d < darks.size(); ++d) {
-      const float t = darks[d].t, fixed = darks[d].fixed;
-      const float* share = lanes_.dark_share[d].data();
-      for (int i = 0; i < block; ++i)
-        lanes_.variance[i] += share[i] * share[i] * at_least(lanes_.dark_rate[i] * t + fixed, least_noise * fixed);
-    }
+  void finish(const float* factor, PhotositeSignal* out) {
+    change_darks(nullptr);
     for (int i = 0; i < size_; ++i)
       out[i] = {lanes_.value[i] * factor[i], lanes_.variance[i] * factor[i] * factor[i], lanes_.valid[i],
                 lanes_.electrons[i]};
   }
 
  private:
+  /// Adds the noise of each dark frame so far once, and goes on with others.
+  void change_darks(const Darks* darks) {
+    for (std::size_t d = 0; darks_ && d < darks_->frames.size(); ++d) {
+      const float t = darks_->frames[d].t, fixed = darks_->frames[d].fixed;
+      const float* share = lanes_.dark_share[d].data();
+      for (int i = 0; i < block; ++i)
+        lanes_.variance[i] += share[i] * share[i] * at_least(lanes_.dark_rate[i] * t + fixed, least_noise * fixed);
+    }
+    darks_ = darks;
+    if (!darks_) return;
+    for (Lane& lane : lanes_.dark_share) lane.fill(0);
+    if (darks_->model)
+      std::copy_n(darks_->model->rate().begin() + static_cast<std::ptrdiff_t>(offset_), size_,
+                  lanes_.dark_rate.begin());
+    else
+      lanes_.dark_rate.fill(0);
+  }
+
   void read(const Exposure& x, std::size_t k) {
     float *n = lanes_.n[k].data(), *counts = lanes_.counts[k].data();
     const std::uint16_t* light = x.light->dn.data() + offset_;
@@ -208,7 +231,7 @@ class BlockMerge {
     }
   }
 
-  const DarkModel* dark_;
+  const Darks* darks_ = nullptr;
   float saturation_, black_, hot_;
   Lanes& lanes_;
   std::size_t offset_ = 0;
@@ -255,27 +278,28 @@ void merge_brackets(std::span<const WeightedBracket> brackets, const DarkModel* 
                     std::span<const float> factor, std::span<const RowSpan> rows, std::span<PhotositeSignal> out) {
   // Lay out the exposures
   std::vector<Pass> passes;
-  std::size_t most = 0;
+  std::list<Darks> all_darks;
+  std::size_t most = 0, most_darks = 0;
   for (const WeightedBracket& b : brackets) {
-    Pass pass{{}, static_cast<float>(b.scale)};
-    for (const RawImage& light : *b.bracket) pass.exposures.push_back(make_exposure(light, dark, sensor));
+    const DarkModel* own = b.dark ? b.dark : dark;
+    if (all_darks.empty() || all_darks.back().model != own) all_darks.push_back(make_darks(own, sensor));
+    Pass pass{{}, static_cast<float>(b.scale), &all_darks.back()};
+    for (const RawImage& light : *b.bracket) pass.exposures.push_back(make_exposure(light, own, sensor));
     most = std::max(most, pass.exposures.size());
+    most_darks = std::max(most_darks, pass.darks->frames.size());
     passes.push_back(std::move(pass));
   }
-  std::vector<Exposure> darks;
-  if (dark)
-    for (const RawImage& frame : dark->bracket()) darks.push_back(make_exposure(frame, nullptr, sensor));
 
   // Go over the rows block by block
-  Lanes lanes(most, darks.size());
-  BlockMerge merge(dark, sensor, lanes);
+  Lanes lanes(most, most_darks);
+  BlockMerge merge(sensor, lanes);
   const auto width = static_cast<std::size_t>(brackets.front().bracket->front().width_px);
   for (std::size_t row = 0; row < rows.size(); ++row) {
     for (int begin = rows[row].begin; begin < rows[row].end; begin += block) {
       const std::size_t offset = row * width + static_cast<std::size_t>(begin);
       merge.start(offset, std::min(block, rows[row].end - begin));
       for (const Pass& pass : passes) merge.add(pass);
-      merge.finish(darks, factor.data() + offset, out.data() + offset);
+      merge.finish(factor.data() + offset, out.data() + offset);
     }
   }
 }

@@ -47,10 +47,11 @@ class DarkModel {
   double mean_dn_ = 0;
 };
 
-/// One pass: its bracket and the factor with which its rate enters the sum.
+/// One pass: its bracket, the factor with which its rate enters the sum, and its dark set where it has one of its own.
 struct WeightedBracket {
   const Bracket* bracket = nullptr;
   double scale = 1;
+  const DarkModel* dark = nullptr;
 };
 
 /// Σ scale · rate of one photosite, times the photosite's factor.
@@ -70,8 +71,9 @@ struct RowSpan {
 };
 
 /// Merges the brackets of passes that see S in the same place. All frames have one size; every exposure has its dark
-/// frame unless `dark` is null, when black_level_dn is subtracted instead and dark current stays in. The noise of a
-/// dark frame is common to all passes and enters their sum once, with its sign. `factor`: per photosite, `out`: per
+/// frame, of its pass' own dark set or else of `dark`, unless both are null, when black_level_dn is subtracted instead
+/// and dark current stays in. The noise of a dark frame is common to neighbouring passes that share it and enters their
+/// sum once, with its sign. `factor`: per photosite, `out`: per
 /// photosite; only those in `rows` are read and written.
 void merge_brackets(std::span<const WeightedBracket> passes, const DarkModel* dark, const Sensor& sensor,
                     std::span<const float> factor, std::span<const RowSpan> rows, std::span<PhotositeSignal> out);

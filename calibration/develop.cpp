@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <list>
+#include <set>
 
 #include "calibration/bracket_merge.h"
 #include "calibration/lens_model.h"
@@ -123,7 +125,7 @@ struct Developer::Impl {
   ScreenLattice lattice;
   std::vector<float> factor;
   std::vector<PhotositeSignal> signal;
-  std::optional<DarkModel> dark;
+  std::list<DarkModel> darks;  ///< of the cell developed last
 
   // Of the last displacement
   std::optional<Vec2> displaced_mm;
@@ -131,8 +133,10 @@ struct Developer::Impl {
   std::vector<RowSpan> rows;
 
   Status weigh(const Vec2& displacement);
-  Status load_dark(const RawCell& raw);
-  void add_passes(std::span<const WeightedBracket> passes, CellImage& image, ScreenFaults& faults);
+  Status load_darks(const RawCell& raw);
+  const DarkModel* model_of(const std::shared_ptr<const DarkSet>& set) const;
+  void add_passes(std::span<const WeightedBracket> passes, const DarkModel* dark, CellImage& image,
+                  ScreenFaults& faults);
   Result<CellImage> develop(const RawCell& raw);
 };
 
@@ -158,16 +162,29 @@ Status Developer::Impl::weigh(const Vec2& displacement) {
   return {};
 }
 
-/// Keeps the dark model of a block of cells.
-Status Developer::Impl::load_dark(const RawCell& raw) {
-  if (!raw.dark) return dark.reset(), Status{};
-  if (!dark || dark->set() != raw.dark) dark.emplace(raw.dark, bench.sensor);
-  return check_dark_exposures(raw, *dark);
+/// Null where there is none.
+const DarkModel* Developer::Impl::model_of(const std::shared_ptr<const DarkSet>& set) const {
+  const auto found = std::ranges::find(darks, set, &DarkModel::set);
+  return found == darks.end() ? nullptr : &*found;
+}
+
+/// Keeps the dark models of a block of cells.
+Status Developer::Impl::load_darks(const RawCell& raw) {
+  std::set<std::shared_ptr<const DarkSet>> needed{raw.dark};
+  for (const RawPass& pass : raw.passes) needed.insert(pass.dark);
+  std::erase_if(darks, [&](const DarkModel& dark) { return !needed.contains(dark.set()); });
+  for (const auto& set : needed)
+    if (set && !model_of(set)) darks.emplace_back(set, bench.sensor);
+  for (const RawPass& pass : raw.passes)
+    if (const DarkModel* dark = model_of(pass.dark ? pass.dark : raw.dark))
+      if (Status ok = check_dark_exposures(pass, *dark); !ok) return ok;
+  return {};
 }
 
 /// Merges passes that see S in the same place, resamples their sum and adds it.
-void Developer::Impl::add_passes(std::span<const WeightedBracket> passes, CellImage& image, ScreenFaults& faults) {
-  merge_brackets(passes, dark ? &*dark : nullptr, bench.sensor, factor, rows, signal);
+void Developer::Impl::add_passes(std::span<const WeightedBracket> passes, const DarkModel* dark, CellImage& image,
+                                 ScreenFaults& faults) {
+  merge_brackets(passes, dark, bench.sensor, factor, rows, signal);
   for (std::size_t c = 0; c < weights.size(); ++c) {
     const ScreenChannel channel = resample(weights[c], signal);
     const std::size_t offset = c * image.plane();
@@ -182,7 +199,7 @@ void Developer::Impl::add_passes(std::span<const WeightedBracket> passes, CellIm
 
 Result<CellImage> Developer::Impl::develop(const RawCell& raw) {
   if (auto ok = check_raw(raw, bench, geometry); !ok) return tl::unexpected(ok.error());
-  if (auto ok = load_dark(raw); !ok) return fail_in("cell " + to_string(raw.cell), ok.error());
+  if (auto ok = load_darks(raw); !ok) return fail_in("cell " + to_string(raw.cell), ok.error());
 
   // Start from nothing
   CellImage image;
@@ -195,13 +212,14 @@ Result<CellImage> Developer::Impl::develop(const RawCell& raw) {
   ScreenFaults faults{std::vector<float>(values, 1), std::vector<float>(values, 0)};
 
   // Add the passes: together where they see S in the same place, else one by one
+  const DarkModel* dark = model_of(raw.dark);
   std::vector<WeightedBracket> passes;
   for (std::size_t p = 0; p < raw.passes.size(); ++p) {
-    passes.push_back({&raw.passes[p].bracket, bench.filter.passes[p].scale});
+    passes.push_back({&raw.passes[p].bracket, bench.filter.passes[p].scale, model_of(raw.passes[p].dark)});
     if (bench.stage_carries == StageCarries::slide && p + 1 < raw.passes.size()) continue;
     if (auto ok = weigh(lamp_displacement_mm(bench, raw.passes[p].stage_mm)); !ok)
       return fail_in("cell " + to_string(raw.cell), ok.error());
-    add_passes(passes, image, faults);
+    add_passes(passes, dark, image, faults);
     passes.clear();
   }
 

@@ -19,7 +19,8 @@ LuminaireGeometry luminaire_geometry(const Bench& bench, const Plan& plan);
 /// dark set subtracted per exposure and pixel → saturated pixels dropped → bracket merged by noise-weighted mean in
 /// absolute units → divided by responsivity, relative illumination and exposure: irradiance E on the screen, W/m² →
 /// resampled onto the pixels of S by area overlap, each colour from its own photosites → passes combined,
-/// C = Σ scale·E/(a_x a_y). Nothing is normalised per image. Where the stage carries the lamp, S moves with it.
+/// C = Σ scale·E/(a_x a_y). A pass with a dark set of its own has that subtracted. Nothing is normalised per image.
+/// Where the stage carries the lamp, S moves with it.
 ///
 /// Values are finite and may be negative. A pixel of S of which less than half is seen by photosites with an
 /// unsaturated exposure takes what the shortest exposure says, a lower bound, with that exposure's full scale (about

@@ -93,6 +93,10 @@ Status check_bracket(const Bracket& bracket, const Bench& bench, const std::stri
   return {};
 }
 
+Status check_dark_set(const std::shared_ptr<const DarkSet>& dark, const Bench& bench) {
+  return dark ? check_bracket(dark->bracket, bench, "dark set of block " + std::to_string(dark->block)) : Status{};
+}
+
 }  // namespace
 
 SensorPattern pattern_of(std::string_view pixel_format) {
@@ -134,19 +138,17 @@ Status check_raw(const RawCell& raw, const Bench& bench, const LuminaireGeometry
                   where, "take the passes in the bench's order");
     if (!pass.stage_mm.allFinite()) return fail("the stage reading is not finite", where, "check the stage");
     if (auto ok = check_bracket(pass.bracket, bench, where + ", pass " + pass.name); !ok) return ok;
+    if (auto ok = check_dark_set(pass.dark, bench); !ok) return ok;
   }
-  if (raw.dark) return check_bracket(raw.dark->bracket, bench, "dark set of block " + std::to_string(raw.dark->block));
-  return {};
+  return check_dark_set(raw.dark, bench);
 }
 
-Status check_dark_exposures(const RawCell& raw, const DarkModel& dark) {
-  for (const RawPass& pass : raw.passes)
-    for (const RawImage& frame : pass.bracket)
-      if (!dark.match(frame))
-        return fail(
-            "no dark exposure of " + std::to_string(frame.exposure_s) + " s at " + std::to_string(frame.gain) + " dB",
-            "dark set of block " + std::to_string(dark.set()->block),
-            "take the dark set with the exposures of the plan");
+Status check_dark_exposures(const RawPass& pass, const DarkModel& dark) {
+  for (const RawImage& frame : pass.bracket)
+    if (!dark.match(frame))
+      return fail(
+          "no dark exposure of " + std::to_string(frame.exposure_s) + " s at " + std::to_string(frame.gain) + " dB",
+          "dark set of block " + std::to_string(dark.set()->block), "take the dark set with the exposures of the plan");
   return {};
 }
 

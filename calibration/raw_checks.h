@@ -22,6 +22,6 @@ Status check_bench(const Bench& bench, const Plan& plan);
 /// Size, pattern, exposures, gains; the passes as the bench has them; the dark set where there is one.
 Status check_raw(const RawCell& raw, const Bench& bench, const LuminaireGeometry& geometry);
 /// Every light exposure has its dark exposure.
-Status check_dark_exposures(const RawCell& raw, const DarkModel& dark);
+Status check_dark_exposures(const RawPass& pass, const DarkModel& dark);
 
 }  // namespace lumifield

@@ -15,6 +15,7 @@ constexpr int version = 1;
 constexpr std::string_view camera_kinds[] = {"aravis", "v4l2", "replay"};
 constexpr std::string_view stage_kinds[] = {"grbl", "apt"};
 constexpr std::string_view carried[] = {"slide", "lamp"};
+constexpr std::string_view changes[] = {"stage", "operator"};
 constexpr std::string_view bases[] = {"box", "tent", "bell", "bspline2"};
 constexpr BasisKind kinds[] = {BasisKind::box, BasisKind::tent, BasisKind::bell, BasisKind::bspline2};
 
@@ -116,6 +117,7 @@ FilterSlide read_filter(const JsonValue& at) {
       if (f.passes[k].name == pass.name) each["name"].refuse("is used twice", "give each pass its own name");
   }
   f.dark_offset_mm = at["dark"]["offset_mm"].vec2();
+  f.change = at["change"].choice_or(0, changes) == 0 ? PassChange::stage : PassChange::by_operator;
   return f;
 }
 
@@ -159,10 +161,17 @@ Json json_of(const FilterSlide& f) {
           {"spacing_mm", to_json_array(f.spacing_mm)},
           {"window", f.window},
           {"passes", passes},
-          {"dark", {{"offset_mm", to_json_array(f.dark_offset_mm)}}}};
+          {"dark", {{"offset_mm", to_json_array(f.dark_offset_mm)}}},
+          {"change", f.change == PassChange::stage ? "stage" : "operator"}};
 }
 
 }  // namespace
+
+Bench with_pass(const Bench& bench, int pass) {
+  Bench one = bench;
+  one.filter.passes = {bench.filter.passes[static_cast<std::size_t>(pass)]};
+  return one;
+}
 
 Vec2 lamp_displacement_mm(const Bench& bench, const Vec2& stage_mm) {
   if (bench.stage_carries == StageCarries::slide) return Vec2::Zero();

@@ -85,12 +85,19 @@ struct FilterPass {
   double scale = 0;      ///< ±k of Dual, times 1/(a_x a_y): C = Σ scale·E/(a_x a_y)
 };
 
+/// How the pass before the lamp is changed. stage: all stand on one slide, and the stage goes from one to the next at
+/// every cell. by_operator: each has a slide of its own, in one holder, put in by hand: the passes are the outer loop
+/// of a scan (acquisition/scan/scan_plan.h). Each slide then has its filter at its offset, and all are opaque at the
+/// dark offset.
+enum class PassChange { stage, by_operator };
+
 struct FilterSlide {
   BasisKind basis = BasisKind::bell;
   Vec2 spacing_mm{0, 0};
   int window = 0;  ///< of the dual, spacings
   std::vector<FilterPass> passes;
   Vec2 dark_offset_mm{0, 0};  ///< the opaque patch, in stage coordinates
+  PassChange change = PassChange::stage;
 };
 
 struct Bench {
@@ -107,6 +114,9 @@ struct Bench {
   Sensor sensor;
   FilterSlide filter;
 };
+
+/// The bench as far as one of its passes goes: what that pass alone measures.
+Bench with_pass(const Bench& bench, int pass);
 
 /// Displacement of the lamp, and with it of S, in the bench frame at a stage reading: linear·q + origin when the stage
 /// carries the lamp, else 0.

@@ -68,6 +68,7 @@ Result<Dataset> read_dataset(const std::filesystem::path& folder);
 /// Every file against its checksum, every number against its range.
 struct CheckReport {
   Coverage coverage;
+  int half_cells = 0;                 ///< passes of cells that are not whole yet (luminaire/half_cells.h)
   std::vector<std::string> problems;  ///< empty = sound
   std::vector<std::string> notes;     ///< defaults taken, torn lines ignored
 };

@@ -3,6 +3,7 @@
 #include "luminaire/cell_exr.h"
 #include "luminaire/dataset.h"
 #include "luminaire/file_io.h"
+#include "luminaire/half_cells.h"
 #include "luminaire/manifest.h"
 
 namespace lumifield {
@@ -75,6 +76,10 @@ Result<CheckReport> check_dataset(const fs::path& folder) {
         report.notes.push_back("cell " + to_string(entries[k].cell) + " has " + std::to_string(k) + " earlier entries");
       break;
     }
+  const Result<HalfCells> halves = HalfCells::open(folder);
+  if (!halves) report.problems.push_back(halves.error().message());
+  if (halves) report.problems.insert(report.problems.end(), halves->notes().begin(), halves->notes().end());
+  if (halves) report.half_cells = static_cast<int>(halves->size());
   report.coverage.total = geometry.sampling.cells();
   report.coverage.measured = static_cast<int>(measured.size());
   for (int k = 0; k < report.coverage.total; ++k)

@@ -41,10 +41,12 @@ struct DarkSet {
 struct RawPass {
   std::string name;
   Bracket bracket;
-  Vec2 stage_mm{0, 0};  ///< read back while exposing
+  Vec2 stage_mm{0, 0};                       ///< read back while exposing
+  std::shared_ptr<const DarkSet> dark = {};  ///< its own, where the passes were not taken together; null: the cell's
 };
 
-/// Everything measured for one cell: all its passes in the bench's order, so that a stored cell is complete.
+/// Everything measured for one cell: all its passes in the bench's order, so that a stored cell is complete; or one of
+/// them, where the operator changes the pass.
 struct RawCell {
   CellIndex cell;
   int generation = 1;
@@ -68,6 +70,7 @@ struct ReferenceReading {
   double signal_dn_per_s = 0;  ///< mean dark-subtracted DN/s of the chosen exposure of the first pass
   double drift = 0;            ///< against the first reading of the scan, or of the dataset that it resumes
   double exposure_s = 0;       ///< the chosen one
+  int pass = 0;                ///< through which it was read; drift is against the first reading through the same
   std::optional<StabilisationEnd> stabilised = {};  ///< before it; of the first reading of a scan that waited
 };
 

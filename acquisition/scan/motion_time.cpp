@@ -16,6 +16,7 @@ const std::vector<Vec2>& targets_of(const CellStep& step) { return step.stage_mm
 std::vector<Vec2> targets_of(const DarkStep& step) { return {step.stage_mm}; }
 std::vector<Vec2> targets_of(const ReferenceStep& step) { return {step.stage_mm}; }
 std::vector<Vec2> targets_of(const VisitStep& step) { return {step.stage_mm}; }
+std::vector<Vec2> targets_of(const SlideStep& step) { return {step.stage_mm}; }
 
 }  // namespace
 
@@ -63,7 +64,7 @@ std::vector<double> step_times_s(const std::vector<ScanStep>& steps, const Bench
     double time = times.empty() ? plan.warm_up_s : 0;
     for (const Vec2& target : std::visit([](const auto& s) { return std::vector<Vec2>(targets_of(s)); }, step)) {
       const bool visit = std::holds_alternative<VisitStep>(step), dark = std::holds_alternative<DarkStep>(step);
-      time += visit ? plan.settle_s : dark ? dark_s : lit_s;
+      if (!std::holds_alternative<SlideStep>(step)) time += visit ? plan.settle_s : dark ? dark_s : lit_s;
       for (const Vec2& stop : way_to(target, bench.stage.approach_mm, at)) {
         time += at ? move_time_s(speed, *at, stop) : 0;
         at = stop;

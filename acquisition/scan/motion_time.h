@@ -31,8 +31,8 @@ std::vector<Vec2> way_to(const Vec2& target_mm, const Vec2& approach_mm, const s
 
 /// Predicted time of every step: moves with their approaches, settling, exposures, read-outs. Cells count with the
 /// plan's exposures, since which of them need others is not known before; dark sets with all that the plan allows. The
-/// first step's move is left out, since it starts at an unknown place, and so is homing and looking for the home
-/// switches; the warm-up counts to the first step.
+/// first step's move is left out, since it starts at an unknown place, and so are homing, looking for the home switches
+/// and the operator's time for a slide; the warm-up counts to the first step.
 std::vector<double> step_times_s(const std::vector<ScanStep>& steps, const Bench& bench, const Plan& plan,
                                  const StageSpeed& speed);
 /// Of all of them.

@@ -12,6 +12,12 @@ namespace lumifield {
 
 namespace {
 
+bool by_hand(const Bench& bench) { return bench.filter.change == PassChange::by_operator; }
+
+const Vec2& offset_mm(const Bench& bench, int pass) {
+  return bench.filter.passes[static_cast<std::size_t>(pass)].offset_mm;
+}
+
 /// Filter centres of every pass at a cell, nearest end first as seen from `from`.
 CellStep cell_step(const Bench& bench, const Sampling& grid, CellIndex cell, const Vec2& from,
                    const StageSpeed& speed) {
@@ -26,16 +32,16 @@ CellStep cell_step(const Bench& bench, const Sampling& grid, CellIndex cell, con
   return step;
 }
 
-std::vector<ScanStep> make_steps(const Bench& bench, const Plan& plan, const std::vector<CellIndex>& cells) {
-  const Sampling grid = sampling_of(bench, plan);
-  const StageSpeed speed = stage_speed(bench.stage);
+/// `first_block`: of the dark sets. `pass`: the one before the lamp where the operator changes it.
+std::vector<ScanStep> make_steps(const Bench& bench, const Plan& plan, const std::vector<CellIndex>& cells,
+                                 int first_block, int pass) {
   const Vec2 dark = dark_target_mm(bench);
-  const Vec2 reference = reference_target_mm(bench, plan);
+  const Vec2 reference = reference_target_mm(bench, plan, pass);
   const auto due = [](int done, int every) { return done == 0 || (every > 0 && done % every == 0); };
 
   std::vector<ScanStep> steps;
   Vec2 at = dark;
-  int blocks = 0;
+  int blocks = first_block;
   const int count = static_cast<int>(cells.size());
   for (int done = 0; done < count; ++done) {
     if (due(done, plan.dark_every_cells)) {
@@ -46,11 +52,29 @@ std::vector<ScanStep> make_steps(const Bench& bench, const Plan& plan, const std
       steps.emplace_back(ReferenceStep{reference, done});
       at = reference;
     }
-    const CellStep step = cell_step(bench, grid, cells[static_cast<std::size_t>(done)], at, speed);
+    const CellStep step = make_cell_step(bench, plan, cells[static_cast<std::size_t>(done)], at, pass);
     at = step.stage_mm.back();
     steps.emplace_back(step);
   }
   if (count > 0) steps.emplace_back(ReferenceStep{reference, count});
+  return steps;
+}
+
+/// Pass by pass, each with its dark sets and readings of the reference cell.
+std::vector<ScanStep> make_steps_by_hand(const Bench& bench, const Plan& plan, const std::vector<CellIndex>& cells,
+                                         const PassCells& taken) {
+  std::vector<ScanStep> steps;
+  for (std::size_t p = 0; p < bench.filter.passes.size(); ++p) {
+    std::vector<CellIndex> left = cells;
+    if (p < taken.size()) std::erase_if(left, [&](CellIndex cell) { return taken[p].contains(cell); });
+    if (left.empty()) continue;
+    const int pass = static_cast<int>(p);
+    const int blocks = static_cast<int>(
+        std::ranges::count_if(steps, [](const ScanStep& step) { return std::holds_alternative<DarkStep>(step); }));
+    const auto before = plan.columns * plan.rows - static_cast<int>(left.size());
+    steps.emplace_back(SlideStep{dark_target_mm(bench), pass, before});
+    for (ScanStep& step : make_steps(bench, plan, left, blocks, pass)) steps.push_back(std::move(step));
+  }
   return steps;
 }
 
@@ -63,22 +87,26 @@ Vec2 stage_target_mm(const Bench& bench, const Vec2& u_mm) {
 
 Vec2 dark_target_mm(const Bench& bench) { return stage_target_mm(bench, Vec2(0, 0)) + bench.filter.dark_offset_mm; }
 
-Vec2 reference_target_mm(const Bench& bench, const Plan& plan) {
-  return stage_target_mm(bench, sampling_of(bench, plan).cell_center_mm(plan.reference.cell)) +
-         bench.filter.passes.front().offset_mm;
+Vec2 reference_target_mm(const Bench& bench, const Plan& plan, int pass) {
+  return stage_target_mm(bench, sampling_of(bench, plan).cell_center_mm(plan.reference.cell)) + offset_mm(bench, pass);
 }
 
-CellStep make_cell_step(const Bench& bench, const Plan& plan, CellIndex cell, const Vec2& from_mm) {
+CellStep make_cell_step(const Bench& bench, const Plan& plan, CellIndex cell, const Vec2& from_mm, int pass) {
+  if (by_hand(bench))
+    return {
+        cell, {pass}, {stage_target_mm(bench, sampling_of(bench, plan).cell_center_mm(cell)) + offset_mm(bench, pass)}};
   return cell_step(bench, sampling_of(bench, plan), cell, from_mm, stage_speed(bench.stage));
 }
 
-Result<ScanPlan> make_scan_plan(const Bench& bench, const Plan& plan, const std::set<CellIndex>& done) {
+Result<ScanPlan> make_scan_plan(const Bench& bench, const Plan& plan, const std::set<CellIndex>& done,
+                                const PassCells& taken) {
   if (Status status = check_rules(bench, plan); !status) return tl::unexpected(status.error());
 
   std::vector<CellIndex> cells = scan_order(plan.order, plan.columns, plan.rows);
   std::erase_if(cells, [&](CellIndex cell) { return done.contains(cell); });
   const int to_scan = static_cast<int>(cells.size());
-  ScanPlan scan{make_steps(bench, plan, cells), to_scan, plan.columns * plan.rows - to_scan, 0};
+  ScanPlan scan{by_hand(bench) ? make_steps_by_hand(bench, plan, cells, taken) : make_steps(bench, plan, cells, 0, 0),
+                to_scan, plan.columns * plan.rows - to_scan, 0};
   if (Status status = check_limits(bench, scan.steps); !status) return tl::unexpected(status.error());
 
   scan.predicted_s = scan_time_s(scan.steps, bench, plan, stage_speed(bench.stage));

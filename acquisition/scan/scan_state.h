@@ -20,6 +20,7 @@ namespace lumifield {
 ///                                         moving after it
 ///     any but the last three → stopped    stop requested: the stage is halted and stays there (failed, when a device
 ///                                         fails meanwhile)
+///     parking → stopped                   nobody attends, and the operator is to change the slide
 ///     any but the last three → failed     a device error, or nobody takes the cells: halted; parked before that
 ///                                         (→ parking → failed) when the stage still answers and homing was not what
 ///                                         failed

@@ -25,10 +25,12 @@ Scanner::Scanner(Camera& camera, Stage& stage, const Bench& bench, const Plan& p
 Status Scanner::run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop, std::stop_token abandon) {
   if (state_ != ScanState::idle)
     return fail("a scan was begun already: " + std::string(to_string(state_)), "scanner", "use a new scanner per scan");
-  if (!steps.steps.empty() && !std::holds_alternative<DarkStep>(steps.steps.front()))
+  if (!steps.steps.empty() && !std::holds_alternative<DarkStep>(steps.steps.front()) &&
+      !std::holds_alternative<SlideStep>(steps.steps.front()))
     return fail("the first step is not a dark set", "scan plan", "make the plan with make_scan_plan");
 
   sink_ = &sink;
+  steps_ = &steps;
   stop_ = std::move(stop);
   const auto end_now = [this] { end_.request_stop(); };
   const std::stop_callback at_stop(stop_, end_now), at_abandon(abandon, end_now);
@@ -64,7 +66,8 @@ Status Scanner::scan(const ScanPlan& steps) {
     if (Status status = persist(taken); !status) return status;
     if (go_back_) continue;
     time_left_.step_done(clock_.now_s() - first_step_s_);
-    ++next;
+    // A slide that was changed is not gone back behind.
+    if (std::holds_alternative<SlideStep>(steps.steps[next++])) checked_ = next;
   }
 }
 
@@ -90,8 +93,8 @@ Status Scanner::pause() {
 }
 
 Status Scanner::retake(CellIndex cell) {
-  if (!sampling_of(bench_, plan_).contains(cell)) return {};
-  const CellStep step = make_cell_step(bench_, plan_, cell, stands_mm_);
+  if (!sampling_of(bench_, plan_).contains(cell) || !may_take_again(cell)) return {};
+  const CellStep step = make_cell_step(bench_, plan_, cell, stands_mm_, slide_.value_or(0));
   time_left_.insert_step(scan_time_s({step}, bench_, plan_, stage_speed(bench_.stage, stage().info())) -
                          plan_.warm_up_s);
   const int cells_done = progress_.cells_done;
@@ -126,10 +129,14 @@ Status Scanner::take(const ReferenceStep& step) {
   // All drift refers to the first reading.
   if (!reference_read_)
     if (Status held = check_home(); !held) return held;
+  const bool first = drift().first_dn_per_s() == 0;
   const std::span<const RawImage> dark = std::span(dark_->bracket).subspan(ladder_.plan_begin, lit->bracket.size());
-  Result<ReferenceReading> reading = drift_.read(lit->bracket, dark, bench_.sensor.saturation_dn, step.cells_done);
+  Result<ReferenceReading> reading = drift().read(lit->bracket, dark, bench_.sensor.saturation_dn, step.cells_done);
   if (!reading) return blame(Culprit::lamp, place, std::move(reading).error());
   reading->stabilised = std::exchange(stabilised_, std::nullopt);
+  if (first)
+    if (Status changed = check_slide(reading->signal_dn_per_s, place); !changed) return changed;
+  reading->pass = slide_.value_or(0);
   reference_read_ = true;
   reference_due_ = false;
   enter(ScanState::delivering);
@@ -149,11 +156,11 @@ Status Scanner::take(const CellStep& step) {
         bracket_at(step.stage_mm[k], "cell " + to_string(step.cell) + ", pass " + name, Exposures::adapted);
     if (!pass) return tl::unexpected(std::move(pass).error());
     raw.position_error_mm = std::max(raw.position_error_mm, pass->position_error_mm);
-    raw.passes[index] = RawPass{name, std::move(pass->bracket), pass->stage_mm};
+    raw.passes[slide_ ? 0 : index] = RawPass{name, std::move(pass->bracket), pass->stage_mm};
   }
   raw.dark = dark_;
-  raw.drift = drift_.drift();
-  raw.reference_dn_per_s = drift_.first_dn_per_s();
+  raw.drift = drift().drift();
+  raw.reference_dn_per_s = drift().first_dn_per_s();
 
   enter(ScanState::delivering);
   Stretch waiting(clock_, timing_.waiting_s);
@@ -232,6 +239,7 @@ Status Scanner::park() {
 Status Scanner::end(Status status) {
   if (!status) stage().halt();
   if (!status) tell_unchecked();
+  const bool waits_for_slide = !status && !progress_.slide.empty() && !stop_.stop_requested();
   if (!status && status.error().kind == ErrorKind::stopped && stop_.stop_requested()) {
     status = scan_stopped();
     enter(ScanState::stopped);
@@ -244,7 +252,7 @@ Status Scanner::end(Status status) {
     else if (state_ != ScanState::homing && state_ != ScanState::parking && stage().position())
       if (const Status parked = park(); !parked)
         status.error().remedy += " (the stage could not be parked: " + parked.error().message() + ")";
-    enter(ScanState::failed);
+    enter(waits_for_slide ? ScanState::stopped : ScanState::failed);
   } else {
     enter(ScanState::done);
   }

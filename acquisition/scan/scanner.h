@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -38,6 +39,9 @@ struct ScanProgress {
   std::string
       trouble;  ///< in a pause: why the scan cannot go on by itself, and what to do; empty when it was asked for
   std::optional<StabilisationProgress> stabilisation = {};  ///< while the lamp is watched, from the first reading on
+  /// Its name, where the operator changes it: cells are then those whose pass is taken.
+  std::string pass = {};
+  std::string slide = {};  ///< in a pause: the pass whose slide is to be put in
 };
 
 /// Where the scan's time went. Everything but move, settle, exposure and readout is idle time of the bench.
@@ -107,13 +111,22 @@ class ScanSink {
 /// tolerance, both to within 0.01 mm, is not found. Cells that no look came after, when the scan ends early, are told
 /// as a notice.
 ///
+/// Slides. Where the operator changes the pass (PassChange::by_operator) a cell is handed on with one pass at a time.
+/// At a SlideStep after another the stage waits behind the opaque patch: the scan pauses until the operator's word if
+/// somebody attends, else it ends, parked, and `kind` is waiting. The first slide is taken to be in. After a change the
+/// stage is homed, and drift is that against the first reading through this pass: what the lamp does meanwhile is not
+/// seen. A first reading that is that of another pass, within the plan's limit of drift, is no reading: the slide is
+/// asked for once more; then, or with accept_drift, the operator's word counts. A cell is taken again in the pass that
+/// is in, if it is one of this scan's; others are refused by a notice.
+///
 /// Thread-bound to the bench thread; camera, stage, bench, plan and clock outlive it.
 class Scanner {
  public:
   Scanner(Camera& camera, Stage& stage, const Bench& bench, const Plan& plan, BenchClock& clock = steady_bench_clock());
 
-  /// Lets the drift refer to the first reading of an earlier scan of the same dataset. Before `run`.
-  void refer_to(const ReferenceReading& first) { drift_ = ReferenceDrift(first); }
+  /// Lets the drift refer to the first reading of an earlier scan of the same dataset, through the same pass. Before
+  /// `run`.
+  void refer_to(const ReferenceReading& first) { drifts_[first.pass] = ReferenceDrift(first); }
 
   /// Lets the operator pause the scan and have cells taken again between two steps. After a pause the reference cell is
   /// read before anything else. Before `run`; `control` outlives the scanner.
@@ -150,7 +163,7 @@ class Scanner {
     double position_error_mm;
   };
 
-  enum class Culprit { none, camera, stage, slip, lamp, unsteady_lamp };  ///< slip: of a stage that answers
+  enum class Culprit { none, camera, stage, slip, lamp, unsteady_lamp, slide };  ///< slip: of a stage that answers
   enum class Exposures { plan, ladder, adapted };
 
   Camera& camera() { return recovery_ ? recovery_->camera() : camera_; }
@@ -179,6 +192,12 @@ class Scanner {
   Status take(const ReferenceStep& step);
   Status take(const CellStep& step);
   Status take(const VisitStep& step);
+  Status take(const SlideStep& step);
+  Status wait_for_slide(const SlideStep& step);
+  tl::unexpected<Error> ask_for_slide(int pass, std::string why, const std::string& place);
+  Status change_slide();
+  Status check_slide(double signal_dn_per_s, const std::string& place);
+  bool may_take_again(CellIndex cell) const;
   Status between_steps();
   Status pause();
   Status retake(CellIndex cell);
@@ -191,6 +210,7 @@ class Scanner {
   Result<RawImage> expose_frame(double exposure_s);
   Status home();
   Status park();
+  ReferenceDrift& drift() { return drifts_[slide_.value_or(0)]; }
   Status end(Status status);
 
   void enter(ScanState state);
@@ -214,7 +234,7 @@ class Scanner {
   double begin_s_ = 0, first_step_s_ = 0, warm_up_left_s_ = 0;
   std::shared_ptr<const DarkSet> dark_;
   bool reference_read_ = false;
-  ReferenceDrift drift_;
+  std::map<int, ReferenceDrift> drifts_;  ///< by pass
   ScanControl* control_ = nullptr;
   DeviceRecovery* recovery_ = nullptr;
   Culprit culprit_ = Culprit::none;  ///< of the error on its way
@@ -232,6 +252,10 @@ class Scanner {
   bool accepts_unsteady_ = false;
   std::optional<StabilisationEnd> stabilised_;  ///< until the reading that records it
   bool stabilisation_due_ = true;               ///< before the reference cell is read, if the plan asks for it
+  const ScanPlan* steps_ = nullptr;
+  std::optional<int> slide_;  ///< the pass that is in, where the operator changes it
+  int slide_asked_ = 0;
+  bool slide_doubted_ = false;  ///< once: the operator's word counts
 };
 
 }  // namespace lumifield

@@ -20,7 +20,8 @@ Status Scanner::home() {
 
 bool Scanner::home_check_due(const std::vector<ScanStep>& steps, std::size_t next) const {
   if (!bench_.stage.check_home || next <= checked_) return false;
-  return next == steps.size() || std::holds_alternative<DarkStep>(steps[next]);
+  return next == steps.size() || std::holds_alternative<DarkStep>(steps[next]) ||
+         std::holds_alternative<SlideStep>(steps[next]);
 }
 
 Status Scanner::check_home() {

@@ -109,12 +109,13 @@ Status Scanner::await_operator() {
 }
 
 Status Scanner::bring_back(Culprit culprit, const Error& error) {
-  if (culprit == Culprit::lamp) drift_seen_ = drift_.drift();
+  if (culprit == Culprit::lamp) drift_seen_ = drift().drift();
   if (culprit == Culprit::unsteady_lamp) {
     stabilisation_due_ = false;
     return {};
   }
   if (culprit == Culprit::slip) return home_again();
+  if (culprit == Culprit::slide) return change_slide();
   if (!recovery_ || culprit == Culprit::lamp) return {};
   if (culprit == Culprit::camera) return reconnect(error);
   if (Status opened = recovery_->reopen_stage(); !opened) return opened;
@@ -122,7 +123,8 @@ Status Scanner::bring_back(Culprit culprit, const Error& error) {
 }
 
 Status Scanner::read_reference() {
-  return take(ReferenceStep{reference_target_mm(bench_, plan_), progress_.cells_done - progress_.cells_before});
+  return take(ReferenceStep{reference_target_mm(bench_, plan_, slide_.value_or(0)),
+                            progress_.cells_done - progress_.cells_before});
 }
 
 Status Scanner::check_drift(const ReferenceReading& reading, const std::string& place) {

@@ -28,7 +28,7 @@ struct Options {
   WorldOptions world;
   GigeCameraOptions camera;
   GrblOptions stage;
-  std::string filter = "bell:7.5:4", size = "1024x768", carries = "slide", knobs, points, out, line;
+  std::string filter = "bell:7.5:4", size = "1024x768", carries = "slide", change = "stage", knobs, points, out, line;
   std::vector<std::string> command, set;
   bool projected = false;
   TruthGrid grid;
@@ -128,12 +128,14 @@ KnobPanel make_knobs(Devices& bench) {
                            const Vec2 at = bench.stage->true_position_mm();
                            return std::to_string(at.x()) + " " + std::to_string(at.y());
                          }}}};
-  for (const auto& [name, values] : {std::pair{"noise", "0|1"},
-                                     {"optics", "0|1"},
-                                     {"filter", "0|1, 0: no slide"},
-                                     {"lamp_drift", "relative change per hour"},
-                                     {"lamp_warm_up", "relative excess of its light, from now on fading"},
-                                     {"lamp_warm_up_s", "time constant of that, from now on"}})
+  for (const auto& [name, values] :
+       {std::pair{"noise", "0|1"},
+        {"optics", "0|1"},
+        {"filter", "0|1, 0: no slide"},
+        {"slide", "0|1|2, 0: the one with both filters, 1: with the positive, 2: the negative"},
+        {"lamp_drift", "relative change per hour"},
+        {"lamp_warm_up", "relative excess of its light, from now on fading"},
+        {"lamp_warm_up_s", "time constant of that, from now on"}})
     knobs[name] = {values, [&bench, name = name](double value) { return bench.world->set(name, value); }, {}};
   return knobs;
 }
@@ -240,6 +242,8 @@ int parse_and_run(int argc, char** argv) {
   app.add_option("--set", options.set, "NAME=VALUE of a knob from the start; may be repeated")->allow_extra_args(false);
   app.add_option("--loss", options.camera.lost_packet_ratio, "share of stream packets lost")->check(CLI::Range(0., 1.));
   app.add_option("--carries", options.carries, "what the stage moves")->check(of({"slide", "lamp"}));
+  app.add_option("--change", options.change, "who changes the pass; by the operator: knob slide, at first 1")
+      ->check(of({"stage", "operator"}));
   CLI::Option* format = app.add_option("--pixel-format", world.pixel_format, "BayerRG12 is the led-array's default")
                             ->check(of({"Mono12", "Mono16", "BayerRG12"}));
   app.add_option("--size", options.size, "WIDTHxHEIGHT of the sensor, px");
@@ -275,6 +279,7 @@ int parse_and_run(int argc, char** argv) {
   }
   options.stage.soft_limits = options.stage.hard_limits = stage_limits;
   world.carries = options.carries == "lamp" ? StageCarries::lamp : StageCarries::slide;
+  world.change = options.change == "operator" ? PassChange::by_operator : PassChange::stage;
   if (const Status filter = apply_filter(options.filter, world); !filter) return report(filter.error(), 2);
   if (const Status size = apply_size(options.size, world); !size) return report(size.error(), 2);
   if (format->empty() && world.lamp == "led-array") world.pixel_format = "BayerRG12";

@@ -44,6 +44,12 @@ Slide Slide::none(const FilterSlide& filter) {
   return none;
 }
 
+Slide Slide::of_pass(const FilterSlide& filter, std::size_t pass) {
+  FilterSlide one = filter;
+  one.passes = {filter.passes[pass]};
+  return Slide(one);
+}
+
 double Slide::transmission(const FilterPass& pass, const Vec2& offset_mm) const {
   const double value = f(offset_mm.x() / filter_.spacing_mm.x()) * f(offset_mm.y() / filter_.spacing_mm.y());
   return std::max(0.0, value / pass.scale);
@@ -83,9 +89,10 @@ void lay_out_slide(Bench& bench) {
   const auto offset = [&](int axis) { return std::max(90.0, 5 * std::ceil((needed[axis] + 2) / 5)); };
   const Dual dual(filter.basis, filter.window);
   const bool one_pass = dual.k_negative() < 1e-12;
-  const double first = slide || one_pass ? 0 : -offset(0) / 2;
+  const double apart = one_pass || filter.change == PassChange::by_operator ? 0 : offset(0);
+  const double first = slide ? 0 : -apart / 2;
   filter.passes = {{"positive", {first, 0}, dual.k_positive()}};
-  if (!one_pass) filter.passes.push_back({"negative", {first + offset(0), 0}, -dual.k_negative()});
+  if (!one_pass) filter.passes.push_back({"negative", {first + apart, 0}, -dual.k_negative()});
   filter.dark_offset_mm = {0, offset(1)};
 
   // A stage mounted slightly askew, one axis running backwards, with small errors of scale.

@@ -14,6 +14,8 @@ class Slide {
   explicit Slide(const FilterSlide& filter);
   /// No slide: all light passes, in one pass.
   static Slide none(const FilterSlide& filter);
+  /// The slide that has this pass alone.
+  static Slide of_pass(const FilterSlide& filter, std::size_t pass);
 
   /// An interval, in spacings from the filter's centre, on which f keeps its sign and is one polynomial.
   struct Piece {
@@ -49,8 +51,9 @@ int cells_needed(double lamp_mm, double spacing_mm, int window);
 Vec2 half_grid_mm(const Bench& bench);
 
 /// Lays out slide and stage: passes and opaque patch far enough apart that only one filter stands before the lamp
-/// (offset ≥ half grid + half lamp + half window), the stage's frame, and limits that fit. Needs lamp_size_mm and the
-/// filter's basis, spacing and window; sets its passes, dark offset, stage_to_luminaire and limits.
+/// (offset ≥ half grid + half lamp + half window), the stage's frame, and limits that fit. Where the operator changes
+/// the slide, all passes stand in one place. Needs lamp_size_mm and the filter's basis, spacing, window and change;
+/// sets its passes, dark offset, stage_to_luminaire and limits.
 void lay_out_slide(Bench& bench);
 
 }  // namespace lumifield::virtual_bench

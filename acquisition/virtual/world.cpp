@@ -44,6 +44,7 @@ Bench make_bench(const WorldOptions& options, const Lamp& lamp) {
   bench.filter.basis = options.basis;
   bench.filter.spacing_mm = options.spacing_mm;
   bench.filter.window = options.window;
+  bench.filter.change = options.change;
   lay_out_slide(bench);
   bench.camera_model =
       place_camera(options.width_px, options.height_px, plane_separation_mm, half_view_mm(bench), options.optics);
@@ -51,12 +52,18 @@ Bench make_bench(const WorldOptions& options, const Lamp& lamp) {
   return bench;
 }
 
+std::vector<Slide> make_slides(const FilterSlide& filter) {
+  std::vector<Slide> slides{Slide(filter)};
+  for (std::size_t pass = 0; pass < filter.passes.size(); ++pass) slides.push_back(Slide::of_pass(filter, pass));
+  return slides;
+}
+
 }  // namespace
 
 World::World(const WorldOptions& options)
     : lamp_(*make_lamp(options.lamp)),
       bench_(make_bench(options, lamp_)),
-      slide_(bench_.filter),
+      slides_(make_slides(bench_.filter)),
       no_slide_(Slide::none(bench_.filter)),
       grid_(ScreenGrid::covering(half_view_mm(bench_) + Vec2::Constant(screen_margin_mm), 0.5)),
       pinhole_(make_lens_map(with_optics(bench_.camera_model, false), plane_separation_mm)),
@@ -64,6 +71,7 @@ World::World(const WorldOptions& options)
       photosites_(bench_.sensor, options.width_px, options.height_px, options.seed),
       noise_(options.noise),
       optics_(options.optics),
+      slide_(options.change == PassChange::by_operator ? 1 : 0),
       worker_([this](std::stop_token stop) { work(stop); }) {}
 
 World::Frame World::render(const View& view) const {
@@ -72,7 +80,7 @@ World::Frame World::render(const View& view) const {
   if (bayer) bands = {Eigen::Array3d(1, 0, 0), Eigen::Array3d(0, 1, 0), Eigen::Array3d(0, 0, 1)};
   const Vec2 stage_mm = 1e-3 * Vec2(static_cast<double>(view.x_um), static_cast<double>(view.y_um));
   const std::vector<Plane> screen =
-      screen_irradiance(lamp_, view.filter ? slide_ : no_slide_, bench_, grid_, stage_mm, bands);
+      screen_irradiance(lamp_, view.filter ? slides_[view.slide] : no_slide_, bench_, grid_, stage_mm, bands);
 
   const LensMap& lens = view.optics ? lens_ : pinhole_;
   auto rate = std::make_shared<std::vector<float>>(lens.illumination.size());
@@ -90,7 +98,7 @@ World::Frame World::render(const View& view) const {
 }
 
 World::View World::view_of(const Vec2& stage_mm) const {
-  return {std::llround(stage_mm.x() * 1e3), std::llround(stage_mm.y() * 1e3), optics_, filter_};
+  return {std::llround(stage_mm.x() * 1e3), std::llround(stage_mm.y() * 1e3), optics_, filter_, slide_};
 }
 
 World::Frame World::find(const View& view) const {
@@ -196,6 +204,9 @@ Status World::set(const std::string& knob, double value) {
   const std::map<std::string, bool*> switches{{"noise", &noise_}, {"optics", &optics_}, {"filter", &filter_}};
   if (const auto found = switches.find(knob); found != switches.end() && (value == 0 || value == 1)) {
     *found->second = value == 1;
+  } else if (knob == "slide" && value >= 0 && value < static_cast<double>(slides_.size()) &&
+             value == std::floor(value)) {
+    slide_ = static_cast<std::size_t>(value);
   } else if (knob == "lamp_drift" && std::isfinite(value)) {
     drift_per_hour_ = value;
     drift_start_ = Clock::now();
@@ -207,9 +218,8 @@ Status World::set(const std::string& knob, double value) {
     switched_on_ = Clock::now();
   } else {
     return fail("no knob \"" + knob + "\" that takes " + std::to_string(value), "virtual bench",
-                "use noise, optics or filter 0|1, lamp_drift <relative change per hour>, lamp_warm_up <relative excess "
-                "at first, -1 "
-                "or more> or lamp_warm_up_s <its time constant, s>");
+                "use noise, optics or filter 0|1, slide 0|1|2, lamp_drift <relative change per hour>, lamp_warm_up "
+                "<relative excess at first, -1 or more> or lamp_warm_up_s <its time constant, s>");
   }
   return {};
 }

@@ -29,6 +29,7 @@ struct WorldOptions {
   BasisKind basis = BasisKind::bell;
   Vec2 spacing_mm{7.5, 7.5};
   int window = 4;
+  PassChange change = PassChange::stage;  ///< by_operator: at first the first pass' slide is in
   std::string pixel_format = "Mono12";
   int width_px = 1024, height_px = 768;
 };
@@ -58,8 +59,9 @@ class World {
               int offset_y_px, std::span<std::uint16_t> dn);
 
   /// Knobs that act from the next image on, whatever the bench file says: noise 0|1, optics 0|1, filter 0|1 (0: no
-  /// slide before the lamp), lamp_drift (relative change of the lamp per hour), lamp_warm_up (relative excess of its
-  /// light when it is switched on, which is now; it fades with the time constant lamp_warm_up_s, 10 s at first).
+  /// slide before the lamp), slide (0: the one with all passes; 1, 2: that with this pass alone), lamp_drift (relative
+  /// change of the lamp per hour), lamp_warm_up (relative excess of its light when it is switched on, which is now; it
+  /// fades with the time constant lamp_warm_up_s, 10 s at first).
   Status set(const std::string& knob, double value);
 
   /// The lamp's light now, 1 without drift and warm-up.
@@ -71,6 +73,7 @@ class World {
   struct View {
     std::int64_t x_um, y_um;
     bool optics, filter;
+    std::size_t slide;
     bool operator==(const View&) const = default;
   };
   /// Electrons per second of every pixel.
@@ -86,7 +89,8 @@ class World {
 
   const Lamp lamp_;
   const Bench bench_;
-  const Slide slide_, no_slide_;
+  const std::vector<Slide> slides_;  ///< with all passes, then with each alone
+  const Slide no_slide_;
   const ScreenGrid grid_;
   const LensMap pinhole_, lens_;
   const Photosites photosites_;
@@ -96,6 +100,7 @@ class World {
   std::deque<View> wanted_;
   std::deque<std::pair<View, Frame>> frames_;
   bool noise_, optics_, filter_ = true;
+  std::size_t slide_;  ///< of slides_
   double drift_per_hour_ = 0, warm_up_ = 0, warm_up_s_ = 10;
   Clock::time_point drift_start_ = Clock::now(), switched_on_ = Clock::now();
   std::jthread worker_;  // the last, so that it ends before what it uses

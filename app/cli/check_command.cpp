@@ -78,6 +78,10 @@ Finding check_folder(const std::string& path) {
   finding.notes = report->notes;
   finding.detail =
       std::to_string(report->coverage.measured) + " of " + std::to_string(report->coverage.total) + " cells";
+  if (report->half_cells > 0)
+    finding.detail += ", " + std::to_string(report->half_cells) +
+                      (report->half_cells == 1 ? " half cell" : " half cells") +
+                      " (of one pass: the slide for the next is to be put in, and the scan gone on with by --resume)";
   tell_quality(finding);
   return finding;
 }

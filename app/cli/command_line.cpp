@@ -121,7 +121,8 @@ void add_scan(CLI::App& app, ScanOptions& o) {
   add_bench(scan, o.bench);
   scan->add_option("--plan", o.plan, "Plan file")->required();
   scan->add_option("--out", o.out, "Dataset folder to make, NAME.lumi")->required();
-  scan->add_flag("--resume", o.resume, "Go on with a dataset that is there");
+  scan->add_flag("--resume", o.resume,
+                 "Go on with a dataset that is there; where slides are changed by hand, the next one is in");
   scan->add_flag("--accept-drift", o.accept_drift,
                  "The drift of the reference cell that is read first is known, and so is a lamp that does not become "
                  "steady: only further drift ends the scan");

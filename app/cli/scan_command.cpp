@@ -64,6 +64,12 @@ Status write_pictures(const PictureMade& made, const std::filesystem::path& fold
   return write_exr(made.picture, stem.string() + ".exr");
 }
 
+/// The operator changes the slide: what is measured of some cells is one pass alone.
+std::string half_cells_text(int cells) {
+  return cells > 0 ? ", " + std::to_string(cells) + " of them with the first pass alone: the others' light is missing"
+                   : "";
+}
+
 }  // namespace
 
 int run_scan(const ScanOptions& options) {
@@ -89,7 +95,7 @@ int run_scan(const ScanOptions& options) {
     if (const auto* progress = std::get_if<ScanProgress>(&*event)) line.show(*progress);
     if (const auto* notice = std::get_if<Notice>(&*event)) line.say(notice->text);
     if (const auto* made = std::get_if<PictureMade>(&*event)) {
-      line.say("picture with " + std::to_string(made->cells) + " cells");
+      line.say("picture with " + std::to_string(made->cells) + " cells" + half_cells_text(made->half_cells));
       if (Status written = write_pictures(*made, pictures, out.stem().string(), options.exposure); !written) {
         line.say("lumifield: " + written.error().message());
         picture_error = written.error();

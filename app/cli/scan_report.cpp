@@ -51,7 +51,8 @@ std::string there_before(int cells) { return cells > 0 ? format(", %d there befo
 }  // namespace
 
 std::string progress_text(const ScanProgress& p) {
-  const std::string cells = bar(p.cells_done, p.cells_total) + there_before(p.cells_before);
+  const std::string cells = bar(p.cells_done, p.cells_total) + (p.pass.empty() ? "" : ", pass '" + p.pass + "'") +
+                            there_before(p.cells_before);
   const std::string state(to_string(p.state));
   if (is_final(p.state)) return cells + ", " + state + " after " + minutes_text(p.elapsed_s);
   if (const auto& lamp = p.stabilisation)

@@ -7,7 +7,7 @@ namespace lumifield {
 namespace fs = std::filesystem;
 
 Status remove_empty_dataset(const fs::path& folder) {
-  const std::array parts{"cells", "journal.jsonl", "luminaire.json"};
+  const std::array parts{"halves", "cells", "journal.jsonl", "luminaire.json"};
   const auto refused = [&](const fs::path& path, const std::error_code& code) {
     return fail("could not be removed from the empty dataset: " + code.message(), path.string(), "remove it by hand");
   };
@@ -22,7 +22,7 @@ Status remove_empty_dataset(const fs::path& folder) {
   }
   if (code) return refused(folder, code);
 
-  // `cells` first: it is refused while it holds a file.
+  // `halves` and `cells` first: each is refused while it holds a file.
   for (const char* part : parts)
     if (fs::remove(folder / part, code); code) return refused(folder / part, code);
   if (fs::remove(folder, code); code) return refused(folder, code);

@@ -99,10 +99,10 @@ void LivePreview::set_luminaire(LuminaireGeometry geometry) {
 
 std::uint64_t LivePreview::luminaire() const { return impl_->luminaire; }
 
-void LivePreview::add(CellIndex cell, std::shared_ptr<const CellImage> image) {
+void LivePreview::add(CellIndex cell, std::shared_ptr<const CellImage> image, bool half) {
   impl_->command([&](PreviewCommands& commands) {
     if (impl_->luminaire > 0)
-      commands.cells.push_back({cell, std::move(image), PreviewWorker::Clock::now()});
+      commands.cells.push_back({cell, std::move(image), PreviewWorker::Clock::now(), half});
     else
       commands.refused.push_back(cell);
   });

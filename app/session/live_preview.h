@@ -36,6 +36,7 @@ struct PreviewFrame {
   double average = 0;           ///< L̄ that the tone curve took
   int cells = 0, total = 0;     ///< in the picture, and of the grid
   int measured = 0;             ///< handed in, be they in the picture or not yet
+  int half = 0;                 ///< of those, with one pass alone: the light of the others is missing
   bool coarse = false;          ///< fewer pixels or a coarser level of detail than asked for, while the view moves
   std::uint64_t luminaire = 0;  ///< LivePreview::luminaire of its cells
   double draw_s = 0;            ///< seconds spent on drawing the view and handing it over; 0 for that of the last frame
@@ -104,9 +105,9 @@ class LivePreview {
   void set_luminaire(LuminaireGeometry geometry);
   /// The number of the last set_luminaire, from 1; 0 before it. A frame of another number is late: not to be shown.
   std::uint64_t luminaire() const;
-  /// Adds or replaces one. The image is kept while the luminaire is. A cell before set_luminaire is refused by
-  /// `failed`.
-  void add(CellIndex cell, std::shared_ptr<const CellImage> image);
+  /// Adds or replaces one; `half`: what one pass alone makes. The image is kept while the luminaire is. A cell before
+  /// set_luminaire is refused by `failed`.
+  void add(CellIndex cell, std::shared_ptr<const CellImage> image, bool half = false);
   void set_camera(const SceneCamera& camera, bool moving);
   /// Moves the scene's luminaires, or takes others; until then those of the scene. Refused, those before stay.
   void set_placements(const std::vector<ScenePlacement>& placements, bool moving);

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "acquisition/camera.h"
@@ -49,7 +50,7 @@ class QueueSink : public ScanSink {
   BenchView* view_;
 };
 
-Status scan(const ScanRequest& request, const ScanPlan& steps, const std::optional<ReferenceReading>& first,
+Status scan(const ScanRequest& request, const ScanPlan& steps, const std::map<int, ReferenceReading>& first,
             Pipeline& pipeline, BenchOutcome& outcome) {
   BenchView unseen;
   BenchView& view = request.bench_view ? *request.bench_view : unseen;
@@ -61,7 +62,7 @@ Status scan(const ScanRequest& request, const ScanPlan& steps, const std::option
   pipeline.events.push(*outcome.prediction);
 
   Scanner scanner(instruments.camera(), instruments.stage(), request.bench, request.plan);
-  if (first) scanner.refer_to(*first);
+  for (const auto& [pass, reading] : first) scanner.refer_to(reading);
   if (request.accept_drift) scanner.accept_drift();
   scanner.obey(pipeline.control);
   scanner.recover_with(instruments);
@@ -77,25 +78,6 @@ std::string joined(const std::vector<std::string>& texts) {
   std::string text;
   for (const std::string& part : texts) text.append(text.empty() ? "" : "; ").append(part);
   return text;
-}
-
-Status develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings,
-               int& cells_adapted) {
-  while (auto raw = pipeline.raw.pop()) {
-    const std::string place = "cell " + to_string(raw->cell);
-    if (raw->passes.empty()) return fail("has no passes", place, "scan it again with --resume");
-    const auto start = Clock::now();
-    Result<CellImage> image = developer.develop(*raw);
-    develop_s.push_back(seconds_since(start));
-    if (!image) return fail_in(place, image.error());
-    if (!image->quality.exposures_s.empty()) ++cells_adapted;
-    if (!image->quality.warnings.empty()) {
-      ++cells_with_warnings;
-      pipeline.events.push(Notice{place + ": " + joined(image->quality.warnings)});
-    }
-    if (!pipeline.developed.push({raw->cell, std::move(*image), raw->passes.front().stage_mm})) break;
-  }
-  return {};
 }
 
 /// Does again what the disk is too full for, until there is room or the scan is stopped. Nothing is lost meanwhile: the
@@ -119,6 +101,72 @@ auto once_there_is_room(Pipeline& pipeline, const Write& write) {
   return done;
 }
 
+/// Shows what one pass alone makes, of a cell that is not whole.
+Status show_half(PassByPass& passes, const RawCell& raw, Pipeline& pipeline) {
+  const std::string name = raw.passes.front().name, place = "cell " + to_string(raw.cell) + ", pass " + name;
+  Result<std::optional<CellImage>> image = passes.alone(raw);
+  if (!image) return fail_in(place, image.error());
+  PassStored stored{raw.cell, name, nullptr};
+  if (*image) {
+    if (!(*image)->quality.warnings.empty())
+      pipeline.events.push(Notice{place + ": " + joined((*image)->quality.warnings)});
+    (*image)->variance = std::vector<float>();
+    stored.image = std::make_shared<const CellImage>(std::move(**image));
+    pipeline.stored.push({raw.cell, stored.image, true});
+  }
+  pipeline.events.push(std::move(stored));
+  return {};
+}
+
+Status show_stored_halves(PassByPass& passes, Pipeline& pipeline) {
+  for (const CellIndex cell : passes.to_show()) {
+    if (pipeline.stop_token().stop_requested()) break;
+    const Result<RawCell> raw = passes.half(cell, 0);
+    if (!raw) return tl::unexpected(raw.error());
+    if (Status shown = show_half(passes, *raw, pipeline); !shown) return shown;
+  }
+  return {};
+}
+
+/// Stores a pass, then shows it.
+Status keep_half(HalfWay& half_way, const RawCell& raw, Pipeline& pipeline) {
+  Status kept;
+  if (half_way.passes.begins(raw)) kept = once_there_is_room(pipeline, half_way.record);
+  if (kept) kept = once_there_is_room(pipeline, [&] { return half_way.passes.keep(raw); });
+  half_way.failed = !kept;
+  return kept ? show_half(half_way.passes, raw, pipeline) : kept;
+}
+
+Status develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings,
+               int& cells_adapted, HalfWay* half_way) {
+  if (half_way && half_way->shows)
+    if (Status shown = show_stored_halves(half_way->passes, pipeline); !shown) return shown;
+  while (auto raw = pipeline.raw.pop()) {
+    const std::string place = "cell " + to_string(raw->cell);
+    if (raw->passes.empty()) return fail("has no passes", place, "scan it again with --resume");
+    if (half_way && !half_way->passes.is_last(*raw)) {
+      if (Status kept = keep_half(*half_way, *raw, pipeline); !kept) return kept;
+      continue;
+    }
+    if (half_way) {
+      Result<RawCell> whole = half_way->passes.whole(std::move(*raw));
+      if (!whole) return tl::unexpected(whole.error());
+      *raw = std::move(*whole);
+    }
+    const auto start = Clock::now();
+    Result<CellImage> image = developer.develop(*raw);
+    develop_s.push_back(seconds_since(start));
+    if (!image) return fail_in(place, image.error());
+    if (!image->quality.exposures_s.empty()) ++cells_adapted;
+    if (!image->quality.warnings.empty()) {
+      ++cells_with_warnings;
+      pipeline.events.push(Notice{place + ": " + joined(image->quality.warnings)});
+    }
+    if (!pipeline.developed.push({raw->cell, std::move(*image), raw->passes.front().stage_mm})) break;
+  }
+  return {};
+}
+
 Status store(DatasetWriter& writer, const std::vector<std::string>& notes, const std::function<Status()>& record,
              Pipeline& pipeline, std::vector<double>& store_s) {
   for (const std::string& note : notes) pipeline.events.push(Notice{note});
@@ -133,7 +181,7 @@ Status store(DatasetWriter& writer, const std::vector<std::string>& notes, const
     cell->image.variance = std::vector<float>();
     const auto image = std::make_shared<const CellImage>(std::move(cell->image));
     pipeline.events.push(CellStored{*entry, image});
-    if (!pipeline.stored.push({*entry, image})) break;
+    if (!pipeline.stored.push({entry->cell, image})) break;
   }
   return {};
 }
@@ -144,6 +192,7 @@ struct Preview {
   int cells, total;
   const std::vector<double>& shares;
   std::size_t next = 0;
+  std::set<CellIndex> half_cells = {};
 
   bool reached() const {
     return next < shares.size() && cells >= std::max(1, static_cast<int>(std::lround(shares[next] * total)));
@@ -156,14 +205,17 @@ struct Preview {
 Status show(Preview& preview, const StoredCell& cell, Pipeline& pipeline, std::vector<double>& render_s,
             std::vector<double>& kernel_s) {
   const auto start = Clock::now();
-  const Status added = preview.renderer->add_cell(cell.entry.cell, cell.image);
+  const Status added = preview.renderer->add_cell(cell.cell, cell.image);
   render_s.push_back(seconds_since(start));
   kernel_s.push_back(preview.renderer->last_kernel_s());
-  ++preview.cells;
+  // A half cell that is there already counts once.
+  if (!(cell.half ? !preview.half_cells.insert(cell.cell).second : preview.half_cells.erase(cell.cell) > 0))
+    ++preview.cells;
   if (!added || !preview.reached()) return added;
   Result<Picture> picture = preview.renderer->picture();
   if (!picture) return tl::unexpected(picture.error());
-  pipeline.events.push(PictureMade{preview.shares[preview.next], preview.cells, std::move(*picture)});
+  pipeline.events.push(PictureMade{preview.shares[preview.next], preview.cells,
+                                   static_cast<int>(preview.half_cells.size()), std::move(*picture)});
   preview.skip_reached();
   return {};
 }
@@ -188,15 +240,16 @@ std::optional<Error> Pipeline::error() const {
 
 void Pipeline::tell_reading(const ReferenceReading& reading) {
   std::lock_guard lock(mutex_);
-  if (!first_reading_) first_reading_ = reading;
+  first_readings_.try_emplace(reading.pass, reading);
 }
 
-std::optional<ReferenceReading> Pipeline::first_reading() const {
+std::optional<ReferenceReading> Pipeline::first_reading(int pass) const {
   std::lock_guard lock(mutex_);
-  return first_reading_;
+  const auto found = first_readings_.find(pass);
+  return found == first_readings_.end() ? std::nullopt : std::optional(found->second);
 }
 
-void run_bench(const ScanRequest& request, const ScanPlan& steps, const std::optional<ReferenceReading>& first,
+void run_bench(const ScanRequest& request, const ScanPlan& steps, const std::map<int, ReferenceReading>& first,
                Pipeline& pipeline, BenchOutcome& outcome) {
   Status status = guarded("bench", [&] { return scan(request, steps, first, pipeline, outcome); });
   if (!status) pipeline.fail(std::move(status).error());
@@ -204,9 +257,9 @@ void run_bench(const ScanRequest& request, const ScanPlan& steps, const std::opt
 }
 
 void run_develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings,
-                 int& cells_adapted) {
-  Status status =
-      guarded("develop", [&] { return develop(developer, pipeline, develop_s, cells_with_warnings, cells_adapted); });
+                 int& cells_adapted, HalfWay* half_way) {
+  Status status = guarded(
+      "develop", [&] { return develop(developer, pipeline, develop_s, cells_with_warnings, cells_adapted, half_way); });
   if (!status) pipeline.fail(std::move(status).error());
   pipeline.raw.close();
   pipeline.developed.close();

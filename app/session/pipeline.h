@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "app/session/bounded_queue.h"
+#include "app/session/pass_by_pass.h"
 #include "app/session/scan_session.h"
 #include "calibration/develop.h"
 #include "luminaire/raw_image.h"
@@ -26,8 +28,9 @@ struct DevelopedCell {
 };
 
 struct StoredCell {
-  CellEntry entry;
+  CellIndex cell;
   std::shared_ptr<const CellImage> image;
+  bool half = false;  ///< the first pass alone
 };
 
 /// The queues, and the one place where the first failure of any stage and the first reading are kept. Thread-safe.
@@ -42,9 +45,9 @@ class Pipeline {
   /// Keeps the first error and has the bench end and park. A later fault becomes a notice.
   void fail(Error error);
   std::optional<Error> error() const;
-  /// Keeps the first reading of the reference cell. The bench tells it before it hands on a cell.
+  /// Keeps the first reading of the reference cell through each pass. The bench tells it before it hands on a cell.
   void tell_reading(const ReferenceReading& reading);
-  std::optional<ReferenceReading> first_reading() const;
+  std::optional<ReferenceReading> first_reading(int pass = 0) const;
   /// By the operator: the stage halts where it is.
   void request_stop() { stop_.request_stop(); }
   std::stop_token stop_token() const { return stop_.get_token(); }
@@ -54,7 +57,7 @@ class Pipeline {
   std::stop_source stop_, abandon_;
   mutable std::mutex mutex_;
   std::optional<Error> error_;
-  std::optional<ReferenceReading> first_reading_;
+  std::map<int, ReferenceReading> first_readings_;
 };
 
 /// What the bench thread finds out beside the cells.
@@ -66,13 +69,24 @@ struct BenchOutcome {
   int frames_retaken = 0, cameras_lost = 0;
 };
 
-/// Opens camera and stage, runs the scan, and lets go of them. `first` is the reading that the drift refers to; absent,
-/// the scan's own first.
-void run_bench(const ScanRequest& request, const ScanPlan& steps, const std::optional<ReferenceReading>& first,
+/// Opens camera and stage, runs the scan, and lets go of them. `first` are the readings that the drift refers to, by
+/// pass; where one is absent, the scan's own first.
+void run_bench(const ScanRequest& request, const ScanPlan& steps, const std::map<int, ReferenceReading>& first,
                Pipeline& pipeline, BenchOutcome& outcome);
 
+/// Where the operator changes the slide: what keeps the passes; `record` makes durable what they refer to, before the
+/// first of each pass; `shows`: half cells that are there already are handed on too, for a preview. `failed` tells that
+/// the disk refused.
+struct HalfWay {
+  PassByPass& passes;
+  std::function<Status()> record;
+  bool shows = false;
+  bool failed = false;
+};
+
+/// `half_way` null: all passes come together.
 void run_develop(Developer& developer, Pipeline& pipeline, std::vector<double>& develop_s, int& cells_with_warnings,
-                 int& cells_adapted);
+                 int& cells_adapted, HalfWay* half_way = nullptr);
 
 /// Hands `notes` to the operator, then stores. `record` makes durable what the cells refer to; it is called once,
 /// before the first cell is stored. On a full disk it waits for room. `failed` tells that the disk refused either: the

@@ -95,19 +95,24 @@ Result<std::string> check_same_measurement(const std::string& provenance_json, c
   for (const char* part : {"bench", "plan"})
     if (!last.is_object() || !last.contains(part) || !last[part].is_object() || last[part].empty())
       return "the dataset does not tell with which bench and plan it was begun: they are taken to be these";
-  if (Status same = check_same(last["bench"], Json::parse(to_json(bench)), "bench"); !same)
+  Json bench_then = last["bench"];
+  if (bench_then.contains("filter") && bench_then["filter"].is_object() && !bench_then["filter"].contains("change"))
+    bench_then["filter"]["change"] = "stage";  // as all were before it could be said
+  if (Status same = check_same(bench_then, Json::parse(to_json(bench)), "bench"); !same)
     return tl::unexpected(same.error());
   if (Status same = check_same(last["plan"], Json::parse(to_json(plan)), "plan"); !same)
     return tl::unexpected(same.error());
   return "";
 }
 
-std::optional<ReferenceReading> first_reading(const std::string& provenance_json) {
+std::optional<ReferenceReading> first_reading(const std::string& provenance_json, int pass) {
   for (const Json& scan : scans_of(provenance_json)) {
     if (!scan.is_object() || !scan.contains("reference") || !scan["reference"].is_array()) continue;
     for (const Json& json : scan["reference"]) {
       if (!json.is_object() || !has_number(json, "signal_dn_per_s") || !has_number(json, "exposure_s")) continue;
+      if ((has_number(json, "pass") ? json["pass"].get<int>() : 0) != pass) continue;
       ReferenceReading reading;
+      reading.pass = pass;
       reading.signal_dn_per_s = json["signal_dn_per_s"].get<double>();
       reading.exposure_s = json["exposure_s"].get<double>();
       if (reading.signal_dn_per_s > 0 && reading.exposure_s > 0) return reading;

@@ -17,7 +17,7 @@ namespace lumifield {
 /// on record to compare with: a note for the operator otherwise.
 Result<std::string> check_same_measurement(const std::string& provenance_json, const Bench& bench, const Plan& plan);
 
-/// The first reading of the reference cell on record, to which the drift of all scans refers.
-std::optional<ReferenceReading> first_reading(const std::string& provenance_json);
+/// The first reading of the reference cell through this pass on record, to which the drift of all scans refers.
+std::optional<ReferenceReading> first_reading(const std::string& provenance_json, int pass = 0);
 
 }  // namespace lumifield

@@ -24,7 +24,8 @@ ScanPrediction predict(const Bench& bench, const Plan& plan, const ScanPlan& ste
                        const std::filesystem::path& out) {
   return {steps.cells, scan_time_s(steps.steps, bench, plan, stage_speed(bench.stage, stage)),
           plan.stabilisation ? plan.stabilisation->limit_s : 0,
-          steps.cells * stored_cell_bytes(luminaire_geometry(bench, plan)), room_for(out)};
+          steps.cells * (stored_cell_bytes(luminaire_geometry(bench, plan)) + half_cells_bytes(bench, plan)),
+          room_for(out)};
 }
 
 }  // namespace lumifield

@@ -16,6 +16,7 @@ struct PreviewCommands {
     CellIndex cell;
     std::shared_ptr<const CellImage> image;
     std::chrono::steady_clock::time_point handed_in;
+    bool half = false;
   };
   struct Luminaire {
     LuminaireGeometry geometry;

@@ -90,6 +90,7 @@ void PreviewWorker::take_luminaire(const PreviewCommands::Luminaire& luminaire) 
   geometry_ = luminaire.geometry;
   luminaire_ = luminaire.number;
   cells_.clear();
+  half_.clear();
   fresh_.clear();
   last_.reset();
   last_error_.clear();
@@ -156,6 +157,7 @@ void PreviewWorker::take_cell(PreviewCommands::Cell cell) {
   last_cell_at_ = std::max(last_cell_at_, cell.handed_in);
   fresh_.try_emplace(cell.cell, cell.handed_in);
   cells_[cell.cell] = std::move(cell.image);
+  cell.half ? void(half_.insert(cell.cell)) : void(half_.erase(cell.cell));
   if (!lit_) return;
   held_.insert(cell.cell);
   if (!holds_cells()) let_in();

@@ -91,6 +91,7 @@ class PreviewWorker {
   std::optional<LuminaireGeometry> geometry_;
   std::uint64_t luminaire_ = 0;
   std::map<CellIndex, std::shared_ptr<const CellImage>> cells_;
+  std::set<CellIndex> half_;  ///< of them
   View view_;
   bool moving_ = false, scan_ = false;
   PreviewLook look_;

@@ -199,6 +199,7 @@ void PreviewWorker::show() {
   frame.cells = renderer_->summed();
   frame.total = geometry_->sampling.cells();
   frame.measured = static_cast<int>(cells_.size());
+  frame.half = static_cast<int>(half_.size());
   frame.luminaire = luminaire_;
   frame.coarse = !drawn_->full();
   frame.draw_s = std::exchange(draw_s_, 0);

@@ -32,6 +32,7 @@ Json json_of(const std::vector<ReferenceReading>& readings) {
                     {"drift", reading.drift}});
     if (const auto& end = reading.stabilised)
       json.back()["stabilisation"] = {{"watched_s", end->watched_s}, {"spread", end->spread}, {"steady", end->steady}};
+    if (reading.pass != 0) json.back()["pass"] = reading.pass;
   }
   return json;
 }

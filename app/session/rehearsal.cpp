@@ -47,7 +47,8 @@ Result<Rehearsal> run(const RehearsalRequest& request, std::stop_token stop,
   if (!steps) return tl::unexpected(steps.error());
   const auto whole = make_scan_plan(bench, plan);
   if (!whole) return tl::unexpected(whole.error());
-  auto developer = Developer::create(bench, plan);
+  const bool one_pass = bench.filter.change == PassChange::by_operator;  // whose slide is in
+  auto developer = Developer::create(one_pass ? with_pass(bench, 0) : bench, plan);
   if (!developer) return tl::unexpected(developer.error());
 
   BenchView unseen;

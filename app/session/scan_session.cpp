@@ -34,13 +34,15 @@ struct ScanSession::Impl {
   Status open_dataset();
   Status create_dataset();
   Status resume_dataset();
-  Status record_first_reading();
+  Status open_passes(PassCells& taken);
+  Status record_first_readings();
   Status start_renderer();
   Status prepare_renderer(std::unique_ptr<Renderer>& renderer);
   void render_thread(std::promise<Status> ready);
   void run();
   Status discard_dataset();
   Status close_dataset();
+  Status close_writer();
   Result<ScanSummary> finish();
 
   ScanRequest request;
@@ -48,11 +50,13 @@ struct ScanSession::Impl {
   Developer developer;
   std::string started_utc = utc_now();
   std::optional<DatasetWriter> writer;
-  bool created = false;            ///< by this run, not resumed
-  std::string earlier = "{}";      ///< the provenance before this run
-  std::vector<std::string> notes;  ///< for the operator, at the start
-  std::optional<ReferenceReading> first;
+  bool created = false;                   ///< by this run, not resumed
+  std::string earlier = "{}";             ///< the provenance before this run
+  std::vector<std::string> notes;         ///< for the operator, at the start
+  std::map<int, ReferenceReading> first;  ///< of earlier scans, by pass
   std::set<CellIndex> done;
+  std::optional<PassByPass> passes;  ///< where the operator changes the slide
+  std::optional<HalfWay> half_way;
   Pipeline pipeline;
   BenchOutcome bench;
   ScanSummary summary;
@@ -79,14 +83,33 @@ Status ScanSession::Impl::open_dataset() {
                 "check the path, or leave out --resume to begin a new one");
   if (Status opened = created ? create_dataset() : resume_dataset(); !opened) return opened;
   for (const CellEntry& entry : writer->manifest().cells) done.insert(entry.cell);
-  for (const CellIndex cell : request.retake) done.erase(cell);
-  Result<ScanPlan> left = make_scan_plan(request.bench, request.plan, done);
+  PassCells taken;
+  if (request.bench.filter.change == PassChange::by_operator)
+    if (Status opened = open_passes(taken); !opened) return opened;
+  for (const CellIndex cell : request.retake) {
+    done.erase(cell);
+    for (std::set<CellIndex>& cells : taken) cells.erase(cell);
+  }
+  Result<ScanPlan> left = make_scan_plan(request.bench, request.plan, done, taken);
   if (!left) return tl::unexpected(left.error());
   steps = std::move(*left);
   if (steps.steps.empty()) {
     request.preview.reset();
     notes.push_back("all " + std::to_string(steps.cells_before) + " cells are there: nothing is left to measure");
   }
+  return {};
+}
+
+Status ScanSession::Impl::open_passes(PassCells& taken) {
+  Result<PassByPass> opened = PassByPass::open(request.bench, request.plan, request.out, writer->manifest());
+  if (!opened) return tl::unexpected(opened.error());
+  passes.emplace(std::move(*opened));
+  for (std::string& note : passes->notes()) notes.push_back(std::move(note));
+  taken = passes->taken();
+  for (const std::set<CellIndex>& cells : taken)
+    for (const CellIndex cell : cells) done.erase(cell);  // it is being taken again
+  half_way.emplace(
+      HalfWay{*passes, [this] { return record_first_readings(); }, request.attended || request.preview.has_value()});
   return {};
 }
 
@@ -114,18 +137,23 @@ Status ScanSession::Impl::resume_dataset() {
   if (!opened) return tl::unexpected(opened.error());
   writer.emplace(std::move(*opened));
   notes.insert(notes.end(), writer->notes().begin(), writer->notes().end());
-  first = first_reading(earlier);
-  if (!first && !writer->manifest().cells.empty())
+  for (int pass = 0; pass < static_cast<int>(request.bench.filter.passes.size()); ++pass)
+    if (const auto reading = first_reading(earlier, pass)) first[pass] = *reading;
+  if (first.empty() && !writer->manifest().cells.empty())
     notes.push_back("the dataset's first reading of the reference cell is not on record: its drift begins anew");
   return {};
 }
 
-/// The drift of every cell refers to the dataset's first reading, so it is on disk before the first of them: a scan
-/// that is killed can be gone on with.
-Status ScanSession::Impl::record_first_reading() {
-  const std::optional<ReferenceReading> reading = pipeline.first_reading();
-  if (first || !reading) return {};
-  return writer->record_provenance(provenance_json(earlier, request, started_utc, {*reading}, nullptr));
+/// The drift of every cell refers to the dataset's first reading through its pass, so it is on disk before the first of
+/// them: a scan that is killed can be gone on with. On the store thread; before half cells on the develop thread, while
+/// the store thread still waits for its first cell.
+Status ScanSession::Impl::record_first_readings() {
+  std::vector<ReferenceReading> readings;
+  for (int pass = 0; pass < static_cast<int>(request.bench.filter.passes.size()); ++pass)
+    if (const auto reading = pipeline.first_reading(pass); reading && !first.contains(pass))
+      readings.push_back(*reading);
+  if (readings.empty()) return {};
+  return writer->record_provenance(provenance_json(earlier, request, started_utc, readings, nullptr));
 }
 
 /// Makes the renderer and gives it the cells that are stored.
@@ -171,11 +199,12 @@ Status ScanSession::Impl::start_renderer() {
 
 void ScanSession::Impl::run() {
   store_thread = std::thread([this] {
-    const auto record = [this] { return record_first_reading(); };
+    const auto record = [this] { return record_first_readings(); };
     run_store(*writer, notes, record, pipeline, summary.times.store_s, store_failed);
   });
   develop_thread = std::thread([this] {
-    run_develop(developer, pipeline, summary.times.develop_s, summary.cells_with_warnings, summary.cells_adapted);
+    run_develop(developer, pipeline, summary.times.develop_s, summary.cells_with_warnings, summary.cells_adapted,
+                half_way ? &*half_way : nullptr);
   });
   bench_thread = std::thread([this] {
     if (steps.steps.empty())
@@ -203,23 +232,29 @@ Status ScanSession::Impl::begin() {
 
 /// Nothing half-written: a scan that stored no cell leaves no folder behind that it made, and none changed.
 Status ScanSession::Impl::discard_dataset() {
-  if (!writer || !created || !writer->manifest().cells.empty()) return {};
+  if (!writer || !created || !writer->manifest().cells.empty() || (passes && passes->size() > 0)) return {};
   return remove_empty_dataset(request.out);
 }
 
 Status ScanSession::Impl::close_dataset() {
-  if (!writer || store_failed) return discard_dataset();
-  if (!summary.times.store_s.empty()) {
+  if (!writer || store_failed || (half_way && half_way->failed)) return discard_dataset();
+  if (!summary.times.store_s.empty() || (passes && passes->kept_any())) {
     // The cells are worth more than the record of their making.
     const auto record = guarded("provenance", [&]() -> Result<std::string> {
       return provenance_json(earlier, request, started_utc, summary.references, &summary);
     });
     if (record) writer->set_provenance(*record);
-    const Status closed = writer->close();
+    const Status closed = close_writer();
     return closed && !record ? tl::unexpected(record.error()) : closed;
   }
   if (pipeline.error()) return discard_dataset();
-  return writer->is_closed() ? Status{} : writer->close();
+  return writer->is_closed() ? Status{} : close_writer();
+}
+
+/// Half cells go once the cells that they are part of are in the manifest.
+Status ScanSession::Impl::close_writer() {
+  Status closed = writer->close();
+  return closed && passes ? passes->remove_stale(writer->manifest()) : closed;
 }
 
 ScanSession::ScanSession(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -280,7 +315,8 @@ Result<ScanSummary> ScanSession::Impl::finish() {
 
   const Status closed = close_dataset();
   if (std::optional<Error> error = pipeline.error()) {
-    if (error->kind == ErrorKind::stopped && created && writer->manifest().cells.empty())
+    if (error->kind == ErrorKind::stopped && created && writer->manifest().cells.empty() &&
+        !(passes && passes->size() > 0))
       error->remedy = "no cell was stored yet: run again to begin anew";
     if (!closed) error->what += " (and then: " + closed.error().message() + ")";
     return tl::unexpected(std::move(*error));

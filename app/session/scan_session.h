@@ -70,20 +70,32 @@ struct CellStored {
   CellEntry entry;
   std::shared_ptr<const CellImage> image;  ///< without its variance
 };
+/// A pass of a cell whose other passes are still to come, where the operator changes the slide.
+struct PassStored {
+  CellIndex cell;
+  std::string pass;
+  std::shared_ptr<const CellImage> image;  ///< what this pass alone makes, without its variance; of the first pass
+};
 struct PictureMade {
   double share = 0;
   int cells = 0;
+  int half_cells = 0;  ///< of them: with the first pass alone
   Picture picture;
 };
 struct Notice {
   std::string text;
 };
 /// ScanPrediction comes once, when the devices are open.
-using SessionEvent = std::variant<ScanPrediction, ScanProgress, CellStored, ReferenceReading, PictureMade, Notice>;
+using SessionEvent =
+    std::variant<ScanPrediction, ScanProgress, CellStored, PassStored, ReferenceReading, PictureMade, Notice>;
 
 /// One scan from photons to a durable dataset and a picture: four threads, joined by bounded queues.
 ///
 ///     bench (camera, stage) → 2 raw cells → develop → 4 cells → store (durable) → 4 cells → render → pictures
+///
+/// Where the operator changes the slide, develop keeps a pass as a half cell (app/session/pass_by_pass.h) and hands on
+/// what it makes alone; with the last pass the cell goes on as any other. The scan asks for the next slide as Scanner
+/// says.
 ///
 /// Everything is checked before anything moves. A complete dataset that is resumed is left as it is, without a picture;
 /// only the journal of a scan that was killed at its end is still merged into its manifest. Cells are never dropped;

@@ -82,6 +82,10 @@ QString missing_text(const PreviewFrame& frame, PreviewCells now) {
     said << QString(now.damaged == 1 ? "%1 cell is damaged: its light is missing (see Notices)"
                                      : "%1 cells are damaged: their light is missing (see Notices)")
                 .arg(now.damaged);
+  if (frame.half > 0)
+    said << QString(frame.half == 1 ? "%1 cell is shown in one pass alone: the light of the other is missing"
+                                    : "%1 cells are shown in one pass alone: the light of the other is missing")
+                .arg(frame.half);
   if (late > 0)
     said << QString(late == 1 ? "%1 measured cell is not in the picture yet"
                               : "%1 measured cells are not in the picture yet")

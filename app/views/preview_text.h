@@ -22,8 +22,8 @@ struct PreviewCells {
 
 /// "37 of 63 cells · picture 42 ms · coarse, finer in about 12 s".
 QString progress_text(const PreviewFrame& frame, const PreviewProgress& progress = {});
-/// "26 of 63 cells not measured yet: their light is missing; 3 measured cells are not in the picture yet"; empty when
-/// none is.
+/// "26 of 63 cells not measured yet: their light is missing; 37 cells are shown in one pass alone: the light of the
+/// other is missing; 3 measured cells are not in the picture yet"; empty when none is.
 QString missing_text(const PreviewFrame& frame, PreviewCells now = {});
 /// Of a choice that is not what is shown: "Computing mis, 200 · shadows: rays: 35 %, about 12 s left. Shown:
 /// closed-form · shadows: tile", or why there is no picture by it; else empty. Without a frame nothing is shown.

@@ -125,6 +125,8 @@ void ScanController::run(ScanRequest request) {
   });
   while (auto event = session.next_event()) {
     if (const auto* cell = std::get_if<CellStored>(&*event)) emit cellReady(cell->entry.cell, cell->image);
+    if (const auto* pass = std::get_if<PassStored>(&*event); pass && pass->image)
+      emit passReady(pass->cell, pass->image);
     QMetaObject::invokeMethod(this, [this, event = std::move(*event)] { take(event); });
   }
   auto summary = session.wait();
@@ -141,12 +143,16 @@ void ScanController::take(const SessionEvent& event) {
     const bool in_trouble = !progress->trouble.empty() && activity_ == ScanActivity::running;
     if (progress->state == ScanState::paused && (activity_ == ScanActivity::pausing || in_trouble))
       set_activity(ScanActivity::paused);
-    if (in_trouble)
+    if (in_trouble && !progress->slide.empty())
+      emit noticed({OperatorNotice::Level::warning, tr("Paused: %1 with Resume (F6).").arg(text(progress->trouble))});
+    else if (in_trouble)
       emit noticed(
           {OperatorNotice::Level::fault, tr("Paused: %1. Resume goes on.").arg(text(progress->trouble))});
     emit progressed(*progress);
   } else if (const auto* cell = std::get_if<CellStored>(&event)) {
     emit cellStored(cell->entry, cell->image);
+  } else if (const auto* pass = std::get_if<PassStored>(&event)) {
+    emit passStored(pass->cell);
   } else if (const auto* reading = std::get_if<ReferenceReading>(&event)) {
     emit referenceRead(*reading);
   } else if (const auto* notice = std::get_if<Notice>(&event)) {

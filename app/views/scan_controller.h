@@ -52,7 +52,10 @@ class ScanController : public QObject {
   void sessionReady(const lumifield::LuminaireGeometry& geometry);
   /// On the session's thread, before `cellStored`: for those that must not wait for the GUI thread.
   void cellReady(lumifield::CellIndex cell, std::shared_ptr<const lumifield::CellImage> image);
+  /// The same, of a cell of which one pass alone is measured: what that makes.
+  void passReady(lumifield::CellIndex cell, std::shared_ptr<const lumifield::CellImage> image);
   void cellStored(const lumifield::CellEntry& entry, std::shared_ptr<const lumifield::CellImage> image);
+  void passStored(lumifield::CellIndex cell);
   void referenceRead(const lumifield::ReferenceReading& reading);
   void noticed(const lumifield::OperatorNotice& notice);
   /// A rehearsal ended, and `noticed` said with what; `message` says how in a few words.

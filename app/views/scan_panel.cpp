@@ -156,7 +156,9 @@ void ScanPanel::show_bar() {
   const int total = progress_.cells_total;
   bar_->setRange(0, std::max(total, 1));
   bar_->setValue(total > 0 ? progress_.cells_done : 0);
-  bar_->setFormat(total > 0 ? QString("%1 of %2 cells").arg(progress_.cells_done).arg(total) : QString("no cells yet"));
+  const QString pass = progress_.pass.empty() ? "" : ", pass '" + QString::fromStdString(progress_.pass) + "'";
+  bar_->setFormat(total > 0 ? QString("%1 of %2 cells").arg(progress_.cells_done).arg(total) + pass
+                            : QString("no cells yet"));
 }
 
 /// Between two words from the bench the clock goes on, but not in a pause.

@@ -54,6 +54,11 @@ Workbench::Workbench(LivePreview& preview, BenchDevices devices, QObject* parent
       [this](CellIndex cell, std::shared_ptr<const CellImage> image) { preview_.add(cell, std::move(image)); },
       Qt::DirectConnection);
 
+  connect(
+      &scan_, &ScanController::passReady, this,
+      [this](CellIndex cell, std::shared_ptr<const CellImage> image) { preview_.add(cell, std::move(image), true); },
+      Qt::DirectConnection);
+
   connect(&scan_, &ScanController::started, this, [this](const LuminaireGeometry& geometry, const QString&) {
     folder_ = opening_ = request_->out;
     if (!keep_cells_) model_.reset(geometry, text(request_->out.stem().string()));
@@ -65,6 +70,7 @@ Workbench::Workbench(LivePreview& preview, BenchDevices devices, QObject* parent
             waiting_.erase(entry.cell);
             model_.put(entry, std::move(image));
           });
+  connect(&scan_, &ScanController::passStored, this, [this] { exists_ = true; });
   connect(&scan_, &ScanController::progressed, this, [this](const ScanProgress& progress) {
     const bool at_a_cell = progress.state == ScanState::moving || progress.state == ScanState::settling ||
                            progress.state == ScanState::exposing;

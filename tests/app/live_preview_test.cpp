@@ -46,6 +46,14 @@ TEST_F(LivePreviewTest, CellsOfABurstAllCountAndNoneIsLost) {
     cells = each->cells;
   }
 
+  // Of one a pass alone is shown, and said to be, until the whole cell comes.
+  std::size_t from_half = told_.frames();
+  live->add(geometry_.sampling.index(0), image_of(geometry_, 500), true);
+  ASSERT_NE(told_.frame([](const PreviewFrame& f) { return f.half == 1; }, from_half), nullptr);
+  from_half = told_.frames();
+  live->add(geometry_.sampling.index(0), image_of(geometry_, 0));
+  ASSERT_NE(told_.frame([](const PreviewFrame& f) { return f.half == 0; }, from_half), nullptr);
+
   // A cell taken again replaces the first; with the scan running too.
   live->set_scan_running(true);
   const std::size_t from = told_.frames();

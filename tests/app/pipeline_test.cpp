@@ -71,7 +71,7 @@ TEST_F(PipelineTest, ABenchWithoutCameraEndsTheLine) {
   request.bench = bench_;
   request.plan = plan_;
   request.bench_view = std::make_shared<BenchView>();
-  run_bench(request, {}, std::nullopt, pipeline_, outcome);
+  run_bench(request, {}, {}, pipeline_, outcome);
   EXPECT_EQ(request.bench_view->snapshot().camera.link, DeviceView::Link::closed);
   ASSERT_TRUE(pipeline_.error());
   EXPECT_EQ(pipeline_.error()->where, "camera.kind");

@@ -60,6 +60,18 @@ TEST(Rehearsal, DoesNotWaitForASteadyLampButTellsThatTheScanWill) {
   EXPECT_EQ(told->scan.stabilisation_s, 7200);
 }
 
+TEST(Rehearsal, TakesThePassWhoseSlideIsIn) {
+  test::DoubleBench doubles(width, height);
+  RehearsalRequest made = request(doubles);
+  made.bench.filter.change = PassChange::by_operator;
+  const auto told = rehearse(made, {}, [](const ScanProgress&) {});
+  ASSERT_TRUE(told) << told.error().message();
+  EXPECT_NEAR(told->brightest_share, (64 + 1600) / 4000.0, 1e-3);
+  EXPECT_EQ(told->scan.cells, 6);
+  // Half cells wait on the disk, three exposures each.
+  EXPECT_EQ(told->scan.bytes, 6 * 24 * 18 * 8 + 6 * 3 * width * height * 2);
+}
+
 TEST(Rehearsal, TellsADeviceThatFails) {
   test::DoubleBench doubles(width, height);
   doubles.trip_stage_after(3);

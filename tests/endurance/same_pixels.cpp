@@ -1,5 +1,5 @@
 // Whether two datasets hold the same cells to the bit, values and variances, whatever their generations.
-//   same_pixels A.lumi B.lumi
+//   same_pixels A.lumi B.lumi [values]    with `values`: whatever their variances
 
 #include <cstdio>
 #include <string>
@@ -9,25 +9,27 @@
 namespace lumifield {
 namespace {
 
-std::string difference(const LightField& a, const LightField& b) {
+std::string difference(const LightField& a, const LightField& b, bool values_only) {
   if (const auto member = first_difference(a.geometry(), b.geometry())) return *member;
   for (int k = 0; k < a.geometry().sampling.cells(); ++k) {
     const CellIndex index = a.geometry().sampling.index(k);
     const auto one = a.cell(index), other = b.cell(index);
-    const bool same = one && other ? one->value == other->value && one->variance == other->variance : one == other;
+    const bool same =
+        one && other ? one->value == other->value && (values_only || one->variance == other->variance) : one == other;
     if (!same) return "cell " + to_string(index);
   }
   return {};
 }
 
 int run(int argc, char** argv) {
-  const auto a = read_dataset(argc == 3 ? argv[1] : ""), b = read_dataset(argc == 3 ? argv[2] : "");
+  const bool values_only = argc == 4 && std::string(argv[3]) == "values", used_well = argc == 3 || values_only;
+  const auto a = read_dataset(used_well ? argv[1] : ""), b = read_dataset(used_well ? argv[2] : "");
   for (const auto* dataset : {&a, &b})
     if (!*dataset) {
       std::fprintf(stderr, "%s\n", dataset->error().message().c_str());
       return 2;
     }
-  const std::string differs = difference(a->light_field, b->light_field);
+  const std::string differs = difference(a->light_field, b->light_field, values_only);
   if (!differs.empty()) std::printf("%s\n", differs.c_str());
   return differs.empty() ? 0 : 1;
 }

@@ -69,6 +69,8 @@ TEST(Bench, ReadsTheDocumentedFile) {
   EXPECT_EQ(read->filter.passes[1].scale, -0.3);
   EXPECT_EQ(read->filter.dark_offset_mm, Vec2(0, 90));
   EXPECT_THAT(defaults, testing::Contains("bench.json: stage.home is absent, taken as true"));
+  EXPECT_EQ(read->filter.change, PassChange::stage);
+  EXPECT_THAT(defaults, testing::Contains("bench.json: filter.change is absent, taken as \"stage\""));
   EXPECT_THAT(defaults, testing::Contains("bench.json: camera_model.vignetting is absent, taken as [0, 0, 0]"));
 }
 
@@ -83,6 +85,7 @@ TEST(Bench, ReturnsTheSameAfterWritingAndReading) {
   bench.stage_to_luminaire.linear << 0, -1, 1, 0.001;
   bench.camera_model.vignetting = {-0.1, 0.02, 1e-300};
   bench.sensor.responsivity = {1, 2, 0.1};
+  bench.filter.change = PassChange::by_operator;
   const std::string once = to_json(bench);
   const Result<Bench> read = parse_bench(once, "bench.json");
   ASSERT_TRUE(read) << read.error().message();
@@ -93,6 +96,7 @@ TEST(Bench, ReturnsTheSameAfterWritingAndReading) {
   EXPECT_EQ(read->stage_to_luminaire.linear, bench.stage_to_luminaire.linear);
   EXPECT_EQ(read->camera_model.vignetting, bench.camera_model.vignetting);
   EXPECT_EQ(read->sensor.responsivity, bench.sensor.responsivity);
+  EXPECT_EQ(read->filter.change, PassChange::by_operator);
   EXPECT_EQ(read->name, bench.name);
 }
 
@@ -137,6 +141,8 @@ TEST(Bench, RefusesWhatIsNoJson) {
   EXPECT_THAT(message(""), HasSubstr("bench.json: is no valid JSON"));
   EXPECT_THAT(message("[1]"), HasSubstr("holds no JSON object"));
   EXPECT_THAT(message(std::string_view(documented).substr(0, 300)), HasSubstr("is no valid JSON"));
+  EXPECT_THAT(refusal_with("/filter/change", "robot"),
+              HasSubstr("bench.json: filter.change: \"robot\" is not known; make it one of \"stage\", \"operator\""));
   EXPECT_THAT(message(R"({"format": NaN})"), HasSubstr("is no valid JSON"));
   EXPECT_THAT(message(R"({"format": 1e999})"), HasSubstr("is no valid JSON"));
   EXPECT_THAT(message(std::string(100'000, '[')), HasSubstr("is nested deeper than 32 levels"));

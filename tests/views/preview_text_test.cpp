@@ -34,6 +34,10 @@ TEST(PreviewText, SaysWhatThePictureHoldsAndWhatIsMissing) {
   EXPECT_EQ(missing_text(frame), "none of 63 cells measured yet: the scene is dark");
   frame.cells = 63;
   EXPECT_EQ(missing_text(frame), "");
+  frame.half = 12;
+  EXPECT_EQ(missing_text(frame), "12 cells are shown in one pass alone: the light of the other is missing");
+  frame.half = 1;
+  EXPECT_EQ(missing_text(frame), "1 cell is shown in one pass alone: the light of the other is missing");
 }
 
 TEST(PreviewText, TellsMeasuredShownAndDamagedCellsApart) {

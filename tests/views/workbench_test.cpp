@@ -115,6 +115,33 @@ TEST_F(WorkbenchTest, TheWatchHandsTheDevicesToTheScanAndTakesThemBack) {
   EXPECT_EQ(bench.most_stages_at_once(), 1);
 }
 
+TEST_F(WorkbenchTest, ASlideIsAskedForAndAScanThatWasStoppedThereGoesOn) {
+  Bench by_hand = *parse_bench(bench_file(), "bench.json");
+  by_hand.filter.change = PassChange::by_operator;
+  std::ofstream(path("bench.json")) << to_json(by_hand);
+  prepare("new.lumi");
+  const auto asked = [&] { return work.scan().activity() == ScanActivity::paused; };
+  work.start();
+  ASSERT_TRUE(comes(asked));
+  EXPECT_EQ(work.scan().progress().slide, "negative");
+  EXPECT_TRUE(notices.contains(
+      "Paused: slide: the pass 'positive' is taken; put in the slide 'negative', then go on with Resume (F6)."))
+      << qPrintable(notices.join("\n"));
+  EXPECT_EQ(work.model().measured(), 0);
+  work.scan().stop();
+  ASSERT_TRUE(idle());
+  EXPECT_EQ(work.why_not_start(), QString());
+
+  // These filters read alike, so that the slide is doubted once.
+  work.start();
+  ASSERT_TRUE(comes(asked));
+  EXPECT_TRUE(notices.last().contains("it reads as through 'positive'")) << qPrintable(notices.last());
+  work.scan().resume();
+  ASSERT_TRUE(idle());
+  EXPECT_EQ(work.model().measured(), 6);
+  EXPECT_EQ(faults, 0) << qPrintable(notices.join("\n"));
+}
+
 TEST_F(WorkbenchTest, AScansBracketsAreCopiedWhileTheyAreWatched) {
   const std::shared_ptr<BenchView>& view = work.scan().bench_view();
   for (const bool watched : {false, true}) {
