@@ -214,6 +214,9 @@ Status show(Preview& preview, const StoredCell& cell, Pipeline& pipeline, std::v
   if (!added || !preview.reached()) return added;
   Result<Picture> picture = preview.renderer->picture();
   if (!picture) return tl::unexpected(picture.error());
+  if (!preview.half_cells.empty())
+    picture->note += (picture->note.empty() ? "" : "; ") + std::to_string(preview.half_cells.size()) +
+                     " cells with the first pass alone";
   pipeline.events.push(PictureMade{preview.shares[preview.next], preview.cells,
                                    static_cast<int>(preview.half_cells.size()), std::move(*picture)});
   preview.skip_reached();

@@ -108,8 +108,8 @@ Status ScanSession::Impl::open_passes(PassCells& taken) {
   taken = passes->taken();
   for (const std::set<CellIndex>& cells : taken)
     for (const CellIndex cell : cells) done.erase(cell);  // it is being taken again
-  half_way.emplace(
-      HalfWay{*passes, [this] { return record_first_readings(); }, request.attended || request.preview.has_value()});
+  // Pictures at shares of the cells wait for those of this scan.
+  half_way.emplace(HalfWay{*passes, [this] { return record_first_readings(); }, request.attended});
   return {};
 }
 
