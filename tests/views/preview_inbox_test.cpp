@@ -30,7 +30,7 @@ TEST(PreviewInbox, DeliversTheLatestFrameOnTheGuiThreadAndEverythingElse) {
 
   std::jthread([&] {
     const LivePreview::Callbacks say = inbox.callbacks();
-    say.ready({"llvmpipe", "", {}});
+    say.ready({"llvmpipe", "", {}, {}});
     for (int cells = 1; cells < 1000; ++cells) say.frame(frame_of(cells));
     say.failed({"refused", "", "", {}});
     say.frame(frame_of(1000));

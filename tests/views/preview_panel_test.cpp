@@ -148,7 +148,7 @@ TEST_F(PreviewPanelTest, FramesOfTheSceneBeforeAreNotShown) {
   panel.set_scene(scene(), "/scenes/pillars/scene.json");
   show(preview_frame(40, 30));
   EXPECT_EQ(panel.view().frame(), nullptr);
-  panel.show_ready({"llvmpipe", "PoCL", {}});
+  panel.show_ready({"llvmpipe", "PoCL", {}, {}});
   show(preview_frame(40, 30));
   EXPECT_NE(panel.view().frame(), nullptr);
 }
