@@ -9,6 +9,7 @@
 #include "app/session/precedent.h"
 #include "app/session/stored_bytes.h"
 #include "app/views/scan_words.h"
+#include "calibration/develop.h"
 #include "calibration/raw_checks.h"
 #include "luminaire/dataset.h"
 #include "luminaire/scene.h"
@@ -68,11 +69,7 @@ std::set<CellIndex> look_at_out(ScanForecast& to, std::filesystem::path out, con
 }
 
 double cell_bytes(const Bench& bench, const Plan& plan) {
-  LuminaireGeometry geometry;
-  geometry.measurement = plan.measurement;
-  const bool mono = pattern_of(bench.camera.pixel_format) == SensorPattern::mono;
-  geometry.channels = mono ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
-  return stored_cell_bytes(geometry);
+  return stored_cell_bytes(luminaire_geometry(bench, plan)) + half_cells_bytes(bench, plan);
 }
 
 void plan_scan(ScanForecast& to, const Bench& bench, const Plan& plan, const std::set<CellIndex>& done) {
