@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <optional>
 
@@ -194,9 +195,12 @@ Result<RawImage> V4l2Camera::expose(double exposure_s) {
     if (arrival.kind == Kind::gone) return gone(arrival.how_gone);
     if (arrival.kind == Kind::nothing) {
       if (Status alive = check_alive(); !alive) return tl::unexpected(alive.error());
-      if (std::exchange(was_silent, true))
-        return node_.error("no frame within some seconds, twice, though the camera answers",
-                           "check cable and USB port, take other devices off its bus, or switch it off and on");
+      if (std::exchange(was_silent, true)) {
+        char text[96];
+        std::snprintf(text, sizeof text, "no frame within %.3g s, though the camera answers and was started anew",
+                      wait_s);
+        return node_.error(text, "check cable and USB port, take other devices off its bus, or switch it off and on");
+      }
       if (Status started = start_stream(); !started) return tl::unexpected(started.error());
       freshness_.ask(now_s(), exposure_s_, picture_.frame_interval_s, true);  // the first frames may be anything
       continue;

@@ -95,7 +95,7 @@ struct V4l2Camera::Impl {
         begin = Clock::now();
         continue;
       }
-      begin = std::max(begin, Clock::now() - std::chrono::milliseconds(1));
+      begin = std::max(begin, Clock::now());
       begin += duration(take_frame(*settings, begin, stop));
     }
   }
@@ -131,7 +131,7 @@ struct V4l2Camera::Impl {
   void send(const V4l2Device::Settings& settings, const Shot& shot) {
     ++frames;
     const auto each = [this](int every) { return every > 0 && frames % static_cast<std::uint64_t>(every) == 0; };
-    if (each(options.lost_every)) device.lose_frame();
+    if (each(options.lost_every)) return device.lose_frame();
     const auto buffer = device.begin_frame(settings.stream);
     if (!buffer) return;
     std::vector<std::uint16_t> dn(static_cast<std::size_t>(options.width_px) * options.height_px);
