@@ -25,9 +25,11 @@ CameraSettings read_camera(const JsonValue& at) {
   c.address = at["address"].text();
   if (c.address.empty()) at["address"].refuse("is empty", "give a host address, an id, a serial number or a path");
   c.pixel_format = at["pixel_format"].text_or(c.pixel_format);
-  c.gain = at["gain"].number_or(c.gain, {-200, 200});
+  c.gain = at["gain"].number_or(c.gain, {-1e6, 1e6});
   c.readout_s = at["readout_s"].number_or(c.readout_s, {0, 3600});
   c.packet_bytes = at["packet_bytes"].integer_or(c.packet_bytes, 576, 65535);
+  c.width_px = at["width_px"].integer_or(c.width_px, 0, 65536);
+  c.height_px = at["height_px"].integer_or(c.height_px, 0, 65536);
   return c;
 }
 
@@ -214,8 +216,9 @@ std::string to_json(const Bench& b) {
   json["version"] = version;
   json["name"] = b.name;
   json["camera"] = {
-      {"kind", b.camera.kind}, {"address", b.camera.address},     {"pixel_format", b.camera.pixel_format},
-      {"gain", b.camera.gain}, {"readout_s", b.camera.readout_s}, {"packet_bytes", b.camera.packet_bytes}};
+      {"kind", b.camera.kind},         {"address", b.camera.address},     {"pixel_format", b.camera.pixel_format},
+      {"gain", b.camera.gain},         {"readout_s", b.camera.readout_s}, {"packet_bytes", b.camera.packet_bytes},
+      {"width_px", b.camera.width_px}, {"height_px", b.camera.height_px}};
   json["stage"] = {{"kind", b.stage.kind},
                    {"path", b.stage.path},
                    {"rapid_mm_s", b.stage.rapid_mm_s},

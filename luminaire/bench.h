@@ -19,9 +19,10 @@ struct CameraSettings {
   std::string kind = "aravis";          ///< "aravis" | "v4l2" | "replay"
   std::string address;                  ///< host address, id, serial or path, by kind
   std::string pixel_format = "Mono12";  ///< GenICam spelling
-  double gain = 0;                      ///< dB
+  double gain = 0;                      ///< dB; v4l2: the number of its gain control
   double readout_s = 0.02;              ///< from end of exposure to the frame in memory, for predictions
   int packet_bytes = 8192;              ///< GigE Vision stream packet
+  int width_px = 0, height_px = 0;      ///< v4l2: of the picture; 0 = the largest that it offers
 };
 
 struct StageSettings {

@@ -1,6 +1,7 @@
 #include "acquisition/camera.h"
 #include "acquisition/cameras/aravis_camera.h"
 #include "acquisition/cameras/aravis_discovery.h"
+#include "acquisition/cameras/v4l2_camera.h"
 
 namespace lumifield {
 namespace {
@@ -15,6 +16,7 @@ struct CameraKind {
 // A new kind is a file beside this one and a line here.
 constexpr CameraKind kinds[] = {
     {"aravis", open_aravis_camera, find_aravis_cameras, probe_aravis_camera},
+    {"v4l2", open_v4l2_camera, find_v4l2_cameras, probe_v4l2_camera},
 };
 
 Result<CameraKind> kind_of(const CameraSettings& settings) {

@@ -1,31 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <functional>
 #include <memory>
-#include <span>
 #include <string>
 
+#include "acquisition/virtual/sight.h"
 #include "luminaire/error.h"
-#include "luminaire/geometry.h"
 
 namespace lumifield::virtual_bench {
-
-/// One exposure as the camera was set when its trigger came. The region is in sensor pixels.
-struct Exposure {
-  Vec2 stage_mm{0, 0};
-  double exposure_s = 0, gain_db = 0;
-  int width_px = 0, height_px = 0, offset_x_px = 0, offset_y_px = 0;
-};
-
-/// What the camera sees. `stage_mm` and `wait_ready` are called on the exposure thread, `expose` on the server thread.
-struct Sight {
-  std::function<Vec2()> stage_mm;
-  std::function<void(const Vec2& stage_mm)> wait_ready;
-  std::function<void(const Exposure&, std::span<std::uint16_t> dn)>
-      expose;  ///< any region, may reach beyond the sensor
-};
 
 struct GigeCameraOptions {
   std::string address = "127.0.0.1";    ///< of a network interface of this machine
@@ -44,17 +26,18 @@ struct GigeCameraOptions {
 /// The stage position, exposure time and gain of a frame are those at the start of the exposure; a trigger during an
 /// exposure is ignored (TriggerOverlap Off), one during readout is kept. With TriggerMode Off exposures follow each
 /// other without a pause. The exposure is emulated by releasing the simulator's own trigger late, within a millisecond,
-/// so that GVCP is answered meanwhile. An exposure ends without a frame when its acquisition or its stream does. freeze() is thread-safe; destroying it takes up to 0.1 s.
-class GigeCamera {
+/// so that GVCP is answered meanwhile. An exposure ends without a frame when its acquisition or its stream does.
+/// freeze() is thread-safe; destroying it takes up to 0.1 s.
+class GigeCamera final : public CameraServer {
  public:
   /// Errors: address held by another program, address of no interface here, pixel format unknown, serial too long.
   static Result<std::unique_ptr<GigeCamera>> start(const GigeCameraOptions& options, Sight sight);
-  ~GigeCamera();
+  ~GigeCamera() override;
 
   /// Frozen: triggers are taken and no frame follows.
-  void freeze(bool frozen);
+  void freeze(bool frozen) override;
 
-  std::uint64_t frames_sent() const;
+  std::uint64_t frames_sent() const override;
 
  private:
   struct Impl;

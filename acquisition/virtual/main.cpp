@@ -19,6 +19,7 @@
 #include "acquisition/virtual/grbl_controller.h"
 #include "acquisition/virtual/knobs.h"
 #include "acquisition/virtual/truth_table.h"
+#include "acquisition/virtual/v4l2_camera.h"
 #include "acquisition/virtual/world.h"
 
 namespace lumifield::virtual_bench {
@@ -27,8 +28,10 @@ namespace {
 struct Options {
   WorldOptions world;
   GigeCameraOptions camera;
+  V4l2CameraOptions video;
   GrblOptions stage;
-  std::string filter = "bell:7.5:4", size = "1024x768", carries = "slide", change = "stage", knobs, points, out, line;
+  std::string camera_kind = "gige", filter = "bell:7.5:4", size = "1024x768", carries = "slide", change = "stage",
+              knobs, points, out, line;
   std::vector<std::string> command, set;
   bool projected = false;
   TruthGrid grid;
@@ -38,8 +41,8 @@ struct Options {
 struct Devices {
   std::unique_ptr<World> world;
   std::unique_ptr<GrblController> stage;
-  std::unique_ptr<GigeCamera> camera;  ///< null while it is switched off
-  std::function<Result<std::unique_ptr<GigeCamera>>()> make_camera;
+  std::unique_ptr<CameraServer> camera;  ///< null while it is switched off
+  std::function<Result<std::unique_ptr<CameraServer>>()> make_camera;
   std::atomic<double> worst_off_mm = 0;  ///< of an exposure since it was last asked for
 
   /// Where an exposure that begins now is taken.
@@ -165,6 +168,30 @@ int run_command(const std::vector<std::string>& command, const sigset_t& handled
   }
 }
 
+/// How the bench's camera comes to be, of the kind and with the world that the options name.
+void make_camera_of(Options& options, Devices& devices, const std::filesystem::path& folder) {
+  const WorldOptions& world = options.world;
+  const std::string serial = "LF" + std::to_string(world.seed % 1'000'000);
+  const auto look_at_world = [&](auto& camera) {
+    camera.pixel_format = world.pixel_format, camera.serial = serial;
+    camera.width_px = world.width_px, camera.height_px = world.height_px;
+  };
+  look_at_world(options.camera);
+  look_at_world(options.video);
+  options.video.folder = folder / "video";
+  const Sight sight{.stage_mm = [&] { return devices.exposed_at(); },
+                    .wait_ready = [&](const Vec2& at) { devices.world->wait_ready(at); },
+                    .expose =
+                        [&](const Exposure& e, std::span<std::uint16_t> dn) {
+                          devices.world->expose(e.stage_mm, e.exposure_s, e.gain_db, e.width_px, e.height_px,
+                                                e.offset_x_px, e.offset_y_px, dn);
+                        }};
+  devices.make_camera = [&, sight]() -> Result<std::unique_ptr<CameraServer>> {
+    if (options.camera_kind == "v4l2") return V4l2Camera::start(options.video, sight);
+    return GigeCamera::start(options.camera, sight);
+  };
+}
+
 int run_bench(Options& options, Devices& devices, const KnobPanel& panel) {
   if (options.command.empty()) return report({"no command given", "", "lumifield-bench --lamp bike -- COMMAND…"}, 2);
   // All threads inherit this, so that only run_command sees these signals.
@@ -187,19 +214,7 @@ int run_bench(Options& options, Devices& devices, const KnobPanel& panel) {
   if (!stage) return report(stage.error());
   devices.stage = std::move(*stage);
 
-  options.camera.pixel_format = options.world.pixel_format;
-  options.camera.width_px = options.world.width_px;
-  options.camera.height_px = options.world.height_px;
-  options.camera.serial = "LF" + std::to_string(options.world.seed % 1'000'000);
-  const auto expose = [&](const Exposure& e, std::span<std::uint16_t> dn) {
-    devices.world->expose(e.stage_mm, e.exposure_s, e.gain_db, e.width_px, e.height_px, e.offset_x_px, e.offset_y_px,
-                          dn);
-  };
-  devices.make_camera = [&] {
-    return GigeCamera::start(options.camera, {.stage_mm = [&] { return devices.exposed_at(); },
-                                              .wait_ready = [&](const Vec2& at) { devices.world->wait_ready(at); },
-                                              .expose = expose});
-  };
+  make_camera_of(options, devices, folder.path());
   if (Status on = switch_camera(devices, false); !on) return report(on.error());
 
   for (std::string setting : options.set) {
@@ -212,6 +227,10 @@ int run_bench(Options& options, Devices& devices, const KnobPanel& panel) {
   if (!knobs) return report(knobs.error());
 
   bench.camera.address = options.camera.address;
+  if (options.camera_kind == "v4l2") {
+    bench.camera.kind = "v4l2";
+    bench.camera.address = options.video.folder / "video0";
+  }
   bench.stage.path = options.stage.path;
   const std::filesystem::path file = folder.path() / "bench.json";
   if (!(std::ofstream(file) << to_json(bench) << std::flush))
@@ -236,7 +255,9 @@ int parse_and_run(int argc, char** argv) {
   app.add_option("--lamp", world.lamp, "what is measured")->check(of({"bike", "headlight", "led-array"}));
   app.add_option("--filter", options.filter, "BASIS:SPACING_MM:WINDOW of the slide");
   app.add_option("--seed", world.seed, "of the noise");
-  app.add_option("--address", options.camera.address, "the camera's, of an interface of this machine");
+  app.add_option("--camera", options.camera_kind, "how it is reached: GigE Vision, or V4L2 on a FUSE file")
+      ->check(of({"gige", "v4l2"}));
+  app.add_option("--address", options.camera.address, "the GigE camera's, of an interface of this machine");
   app.add_option("--serial-path", options.stage.path, "where the stage's terminal is linked; else a temporary path");
   app.add_option("--knobs", options.knobs, "Unix socket that takes lines `NAME VALUE` and `get NAME`");
   app.add_option("--set", options.set, "NAME=VALUE of a knob from the start; may be repeated")->allow_extra_args(false);

@@ -1,0 +1,226 @@
+#include "acquisition/cameras/v4l2_camera.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <optional>
+
+#include "acquisition/cameras/v4l2_controls.h"
+#include "acquisition/cameras/v4l2_format.h"
+#include "acquisition/cameras/v4l2_freshness.h"
+#include "acquisition/cameras/v4l2_node.h"
+#include "acquisition/cameras/v4l2_stream.h"
+
+namespace lumifield {
+namespace {
+
+constexpr double watchdog_s = 0.3, start_up_s = 2;
+constexpr int incomplete_limit = 5;
+constexpr double pace_tolerance = 0.05;  // of time stamps
+
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+class V4l2Camera final : public Camera {
+ public:
+  V4l2Camera(V4l2Node node, const CameraSettings& settings)
+      : node_(std::move(node)), settings_(settings), freshness_(settings.readout_s) {}
+
+  /// Applies the settings and starts the stream.
+  Status start();
+
+  const CameraInfo& info() const override { return info_; }
+  Result<RawImage> expose(double exposure_s) override;
+  int frames_retaken() const override { return frames_retaken_; }
+
+ private:
+  using Kind = V4l2Stream::Arrival::Kind;
+
+  Status start_stream();
+  Status check_alive();
+  Status apply_exposure(double exposure_s);
+  Status widen_interval();
+  Status pass_over_arrived();
+  Result<std::optional<RawImage>> judge(const V4l2Stream::Frame& frame);
+  Status check_pace(const V4l2Stream::Frame& frame) const;
+  RawImage image_of(const V4l2Stream::Frame& frame) const;
+  double frame_time_s() const {
+    return exposure_s_ + std::max(picture_.frame_interval_s, settings_.readout_s) + watchdog_s +
+           (is_starting_ ? start_up_s : 0);
+  }
+  tl::unexpected<Error> gone(const std::string& how) {
+    is_gone_ = true;
+    return node_.error("camera gone: " + how, "check cable and power, then open it again");
+  }
+
+  V4l2Node node_;  // the stream uses it, and ends before it
+  CameraSettings settings_;
+  CameraInfo info_;
+  V4l2Picture picture_;
+  std::optional<V4l2Controls> controls_;
+  V4l2Freshness freshness_;
+  std::optional<V4l2Stream> stream_;
+  std::optional<double> asked_exposure_s_;
+  double exposure_s_ = 0;
+  struct Seen {
+    std::uint32_t sequence;
+    double stamp_s;
+  };
+  std::optional<Seen> last_;  // of the frames with this exposure
+  int frames_retaken_ = 0, incomplete_ = 0;
+  bool is_gone_ = false, is_starting_ = true;
+};
+
+Status V4l2Camera::start() {
+  info_ = {node_.vendor(), node_.model(), node_.serial(), node_.path(), 0, 0};
+  const Result<V4l2Picture> picture = set_picture(node_, settings_);
+  if (!picture) return tl::unexpected(picture.error());
+  picture_ = *picture;
+  info_.sensor_width_px = picture_.width_px, info_.sensor_height_px = picture_.height_px;
+  Result<V4l2Controls> controls = V4l2Controls::apply(node_, settings_);
+  if (!controls) return tl::unexpected(controls.error());
+  controls_.emplace(std::move(*controls));
+  return start_stream();
+}
+
+Status V4l2Camera::start_stream() {
+  stream_.reset();
+  Result<V4l2Stream> stream = V4l2Stream::start(node_, picture_);
+  if (!stream) return tl::unexpected(stream.error());
+  stream_.emplace(std::move(*stream));
+  is_starting_ = true;
+  last_.reset();
+  return {};
+}
+
+Status V4l2Camera::check_alive() {
+  if (is_gone_) return gone("its link was lost before");
+  if (const int failure = node_.check(); failure != 0) return gone(std::strerror(failure));
+  return {};
+}
+
+/// Some cameras expose no longer than from one frame to the next, whatever they say.
+Status V4l2Camera::widen_interval() {
+  if (picture_.frame_interval_s == 0 || exposure_s_ <= picture_.frame_interval_s) return {};
+  stream_.reset();  // which few cameras change while they stream
+  picture_.frame_interval_s = set_frame_interval(node_, exposure_s_);
+  return start_stream();
+}
+
+Status V4l2Camera::apply_exposure(double exposure_s) {
+  const bool is_changed = exposure_s != asked_exposure_s_;
+  if (is_changed) {
+    const Result<double> taken = controls_->set_exposure(exposure_s);
+    if (!taken) {
+      if (Status alive = check_alive(); !alive) return alive;
+      return tl::unexpected(taken.error());
+    }
+    asked_exposure_s_ = exposure_s;
+    exposure_s_ = *taken;
+    last_.reset();
+    if (Status widened = widen_interval(); !widened) return widened;
+  }
+  freshness_.ask(now_s(), exposure_s_, picture_.frame_interval_s, is_changed);
+  return {};
+}
+
+/// Frames that came while nobody asked: so many are lost that their sequence tells nothing.
+Status V4l2Camera::pass_over_arrived() {
+  constexpr int most = 64;  // more than it has buffers, however fast it is
+  for (int i = 0; i < most; ++i) {
+    const V4l2Stream::Arrival arrival = stream_->next(0);
+    if (arrival.kind == Kind::gone) return gone(arrival.how_gone);
+    if (arrival.kind == Kind::nothing) break;
+    stream_->give_back(arrival.frame);
+    is_starting_ = false;
+  }
+  last_.reset();
+  return {};
+}
+
+/// A camera cannot expose longer than from one frame to the next.
+Status V4l2Camera::check_pace(const V4l2Stream::Frame& frame) const {
+  if (!last_ || frame.sequence <= last_->sequence) return {};
+  const double interval_s = (frame.stamp_s - last_->stamp_s) / (frame.sequence - last_->sequence);
+  if (interval_s >= exposure_s_ * (1 - pace_tolerance)) return {};
+  char text[160];
+  std::snprintf(text, sizeof text, "says that it exposes %.6g s, but its frames follow each other after %.3g s",
+                exposure_s_, interval_s);
+  return node_.error(text, "choose exposures below that, or a slower frame rate in the camera");
+}
+
+RawImage V4l2Camera::image_of(const V4l2Stream::Frame& frame) const {
+  RawImage image;
+  image.width_px = picture_.width_px, image.height_px = picture_.height_px;
+  image.bits = picture_.format.bits;
+  image.pattern = picture_.format.pattern;
+  image.dn = unpack(frame.bytes, picture_.stride, picture_.width_px, picture_.height_px, picture_.format.packing);
+  image.exposure_s = exposure_s_;
+  image.gain = controls_->gain();
+  image.frame_id = frame.sequence;
+  return image;
+}
+
+/// The frame's image, when it is whole and was taken when asked.
+Result<std::optional<RawImage>> V4l2Camera::judge(const V4l2Stream::Frame& frame) {
+  if (!frame.is_complete) {
+    ++frames_retaken_;
+    if (++incomplete_ > incomplete_limit)
+      return node_.error(std::to_string(incomplete_) + " incomplete frames in a row",
+                         "check cable and USB port, take other devices off its bus, or choose a smaller picture");
+    return std::nullopt;
+  }
+  incomplete_ = 0;
+  const Status pace = check_pace(frame);
+  if (last_ && frame.sequence > last_->sequence + 1)
+    frames_retaken_ += static_cast<int>(std::min<std::uint32_t>(frame.sequence - last_->sequence - 1, 1000));
+  last_ = {frame.sequence, frame.stamp_s};
+  if (!freshness_.counts(frame.stamp_s)) return std::nullopt;
+  if (!pace) return tl::unexpected(pace.error());
+  return image_of(frame);
+}
+
+Result<RawImage> V4l2Camera::expose(double exposure_s) {
+  if (Status alive = check_alive(); !alive) return tl::unexpected(alive.error());
+  if (!stream_)
+    if (Status started = start_stream(); !started) return tl::unexpected(started.error());
+  if (Status passed = pass_over_arrived(); !passed) return tl::unexpected(passed.error());
+  if (Status applied = apply_exposure(exposure_s); !applied) return tl::unexpected(applied.error());
+
+  incomplete_ = 0;
+  for (bool was_silent = false;;) {
+    const double wait_s = frame_time_s();
+    const V4l2Stream::Arrival arrival = stream_->next(wait_s);
+    if (arrival.kind == Kind::gone) return gone(arrival.how_gone);
+    if (arrival.kind == Kind::nothing) {
+      if (Status alive = check_alive(); !alive) return tl::unexpected(alive.error());
+      if (std::exchange(was_silent, true)) {
+        char text[96];
+        std::snprintf(text, sizeof text, "no frame within %.3g s, though the camera answers and was started anew",
+                      wait_s);
+        return node_.error(text, "check cable and USB port, take other devices off its bus, or switch it off and on");
+      }
+      if (Status started = start_stream(); !started) return tl::unexpected(started.error());
+      freshness_.ask(now_s(), exposure_s_, picture_.frame_interval_s, true);  // the first frames may be anything
+      continue;
+    }
+    is_starting_ = false;
+    Result<std::optional<RawImage>> image = judge(arrival.frame);
+    stream_->give_back(arrival.frame);
+    if (!image) return tl::unexpected(image.error());
+    if (*image) return std::move(**image);
+  }
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Camera>> open_v4l2_camera(const CameraSettings& settings) {
+  Result<V4l2Node> node = V4l2Node::open(settings.address);
+  if (!node) return tl::unexpected(node.error());
+  auto camera = std::make_unique<V4l2Camera>(std::move(*node), settings);
+  if (Status started = camera->start(); !started) return tl::unexpected(started.error());
+  return camera;
+}
+
+}  // namespace lumifield
