@@ -70,7 +70,7 @@ struct CameraModel {
 /// Counts to irradiance. e⁻ in a pixel = responsivity · V · E · exposure, E the irradiance on the screen in W/m².
 struct Sensor {
   double black_level_dn = 0;
-  double gain_dn_per_e = 1;  ///< at Gain 0 dB
+  double gain_dn_per_e = 1;  ///< at Gain 0 dB; v4l2: at the number that `gain` sets
   double read_noise_e = 0;
   double saturation_dn = 4095;                         ///< DN at or above are saturated
   std::vector<double> responsivity;                    ///< e⁻/(s · W/m²) per channel (one, or R G B)

@@ -23,7 +23,7 @@ struct RawImage {
   SensorPattern pattern = SensorPattern::mono;
   std::vector<std::uint16_t> dn;
   double exposure_s = 0;  ///< as the camera reports it
-  double gain = 0;        ///< camera's Gain feature, dB
+  double gain = 0;        ///< dB, of cameras that tell it so; else 0, and the sensor's figures are of the gain in use
   Vec2 stage_mm{0, 0};    ///< stage reading q while it was exposed
   std::uint64_t frame_id = 0;
 };

@@ -109,6 +109,7 @@ Status AravisCamera::start_stream() {
 /// A frame that was due and never came is no answer to the next trigger, whenever it comes: the camera gives up its
 /// exposure, or has the time to end it, and what arrives for the stream that was goes nowhere.
 Status AravisCamera::pass_over_late_frames() {
+  if (!stream_) return start_stream();
   stream_->drop_arrived();
   if (stream_->frames_due() == 0) return {};
   GFault fault;

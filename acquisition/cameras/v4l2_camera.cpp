@@ -49,6 +49,8 @@ class V4l2Camera final : public Camera {
     return exposure_s_ + std::max(picture_.frame_interval_s, settings_.readout_s) + watchdog_s +
            (is_starting_ ? start_up_s : 0);
   }
+  /// Until a frame counts: those passed over, broken ones, and as many again.
+  double patience_s() const { return 2 * (V4l2Freshness::frames_passed_over + incomplete_limit + 1) * frame_time_s(); }
   tl::unexpected<Error> gone(const std::string& how) {
     is_gone_ = true;
     return node_.error("camera gone: " + how, "check cable and power, then open it again");
@@ -157,7 +159,6 @@ RawImage V4l2Camera::image_of(const V4l2Stream::Frame& frame) const {
   image.pattern = picture_.format.pattern;
   image.dn = unpack(frame.bytes, picture_.stride, picture_.width_px, picture_.height_px, picture_.format.packing);
   image.exposure_s = exposure_s_;
-  image.gain = controls_->gain();
   image.frame_id = frame.sequence;
   return image;
 }
@@ -189,6 +190,7 @@ Result<RawImage> V4l2Camera::expose(double exposure_s) {
   if (Status applied = apply_exposure(exposure_s); !applied) return tl::unexpected(applied.error());
 
   incomplete_ = 0;
+  double deadline_s = now_s() + patience_s();
   for (bool was_silent = false;;) {
     const double wait_s = frame_time_s();
     const V4l2Stream::Arrival arrival = stream_->next(wait_s);
@@ -203,6 +205,7 @@ Result<RawImage> V4l2Camera::expose(double exposure_s) {
       }
       if (Status started = start_stream(); !started) return tl::unexpected(started.error());
       freshness_.ask(now_s(), exposure_s_, picture_.frame_interval_s, true);  // the first frames may be anything
+      deadline_s = now_s() + patience_s();
       continue;
     }
     is_starting_ = false;
@@ -210,6 +213,9 @@ Result<RawImage> V4l2Camera::expose(double exposure_s) {
     stream_->give_back(arrival.frame);
     if (!image) return tl::unexpected(image.error());
     if (*image) return std::move(**image);
+    if (now_s() > deadline_s)
+      return node_.error("frames come, but by their time stamps none began after it was asked for",
+                         "check that its driver stamps frames with CLOCK_MONOTONIC, and readout_s of the bench file");
   }
 }
 

@@ -132,7 +132,6 @@ Result<V4l2Controls> V4l2Controls::apply(const V4l2Node& node, const CameraSetti
   controls.shortest_ = exposure->minimum, controls.longest_ = exposure->maximum;
   const Result<double> gain = set_gain(node, settings.gain);
   if (!gain) return tl::unexpected(gain.error());
-  controls.gain_ = *gain;
   if (Status off = verify_off(node); !off) return tl::unexpected(off.error());
   return controls;
 }

@@ -26,13 +26,11 @@ class V4l2Controls {
   /// Sets the exposure time, in whole units of 100 µs, and returns what the control then says. Errors: out of range.
   Result<double> set_exposure(double exposure_s) const;
   /// The number of the gain control.
-  double gain() const { return gain_; }
 
  private:
   explicit V4l2Controls(const V4l2Node& node) : node_(&node) {}
 
   const V4l2Node* node_;
-  double gain_ = 0;
   int shortest_ = 0, longest_ = 0;  // units
 };
 

@@ -18,7 +18,7 @@ namespace lumifield {
 ///
 /// A control acts some frames after it was set: sensors latch it at the next frame's start, one more is in the pipeline
 /// by then, and USB cameras apply it a frame later still. After a change, therefore, as many frames that began after it
-/// are passed over, and the next one counts. No frame that came is counted as two by a gap in the sequence.
+/// are passed over, and the next one counts.
 class V4l2Freshness {
  public:
   static constexpr int frames_passed_over = 3;

@@ -133,9 +133,9 @@ Status Scanner::take(const ReferenceStep& step) {
   const std::span<const RawImage> dark = std::span(dark_->bracket).subspan(ladder_.plan_begin, lit->bracket.size());
   Result<ReferenceReading> reading = drift().read(lit->bracket, dark, bench_.sensor.saturation_dn, step.cells_done);
   if (!reading) return blame(Culprit::lamp, place, std::move(reading).error());
+  if (!reference_read_)
+    if (Status changed = check_slide(reading->signal_dn_per_s, first, place); !changed) return changed;
   reading->stabilised = std::exchange(stabilised_, std::nullopt);
-  if (first)
-    if (Status changed = check_slide(reading->signal_dn_per_s, place); !changed) return changed;
   reading->pass = slide_.value_or(0);
   reference_read_ = true;
   reference_due_ = false;

@@ -196,7 +196,7 @@ class Scanner {
   Status wait_for_slide(const SlideStep& step);
   tl::unexpected<Error> ask_for_slide(int pass, std::string why, const std::string& place);
   Status change_slide();
-  Status check_slide(double signal_dn_per_s, const std::string& place);
+  Status check_slide(double signal_dn_per_s, bool is_first, const std::string& place);
   bool may_take_again(CellIndex cell) const;
   Status between_steps();
   Status pause();

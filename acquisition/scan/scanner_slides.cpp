@@ -59,16 +59,23 @@ Status Scanner::change_slide() {
   slide_ = slide_asked_;
   progress_.slide.clear();
   reference_read_ = reference_due_ = false;
+  stabilisation_due_ = true;  // the lamp may have been off
   drift_seen_ = 0;
   return bench_.stage.home ? home() : Status{};
 }
 
-/// The likeliest mistake is that the slide was not changed: then all reads as before.
-Status Scanner::check_slide(double signal_dn_per_s, const std::string& place) {
+/// The likeliest mistake is that the slide was not changed: then all reads as before. `is_first`: no earlier scan has a
+/// reading through this one.
+Status Scanner::check_slide(double signal_dn_per_s, bool is_first, const std::string& place) {
   if (!slide_ || slide_doubted_ || !drift_seen_) return {};
+  const auto reads_as = [&](double dn_per_s) {
+    return std::abs(signal_dn_per_s / dn_per_s - 1) <= plan_.reference.limit;
+  };
+  if (!is_first && reads_as(drift().first_dn_per_s())) return {};
   for (const auto& [pass, other] : drifts_) {
-    if (pass == *slide_ || !(std::abs(signal_dn_per_s / other.first_dn_per_s() - 1) <= plan_.reference.limit)) continue;
-    drifts_[*slide_] = ReferenceDrift();
+    const double first = other.first_dn_per_s(), last = first * (1 + other.drift());
+    if (pass == *slide_ || !(reads_as(first) || reads_as(last))) continue;
+    if (is_first) drifts_[*slide_] = ReferenceDrift();
     slide_doubted_ = true;
     return ask_for_slide(*slide_, "it reads as through " + quoted(bench_, pass), place);
   }

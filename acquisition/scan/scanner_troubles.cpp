@@ -91,6 +91,7 @@ Status Scanner::hold(Error error, Culprit culprit) {
     Status back = bring_back(culprit, error);
     if (back || back.error().kind == ErrorKind::stopped) return back;
     error = std::move(back).error();
+    if (culprit_ != Culprit::none) culprit = std::exchange(culprit_, Culprit::none);  // what failed since
   }
 }
 

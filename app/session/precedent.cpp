@@ -98,6 +98,9 @@ Result<std::string> check_same_measurement(const std::string& provenance_json, c
   Json bench_then = last["bench"];
   if (bench_then.contains("filter") && bench_then["filter"].is_object() && !bench_then["filter"].contains("change"))
     bench_then["filter"]["change"] = "stage";  // as all were before it could be said
+  if (bench_then.contains("camera") && bench_then["camera"].is_object())
+    for (const char* side : {"width_px", "height_px"})
+      if (!bench_then["camera"].contains(side)) bench_then["camera"][side] = 0;
   if (Status same = check_same(bench_then, Json::parse(to_json(bench)), "bench"); !same)
     return tl::unexpected(same.error());
   if (Status same = check_same(last["plan"], Json::parse(to_json(plan)), "plan"); !same)

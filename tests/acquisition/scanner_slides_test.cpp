@@ -170,6 +170,31 @@ TEST_F(ScannerSlides, ASlideThatWasNotChangedIsAskedForOnceMore) {
   EXPECT_NEAR(sink.references[2].signal_dn_per_s, 7'000, 40);
 }
 
+TEST_F(ScannerSlides, ALampThatDriftedDoesNotHideASlideThatWasNotChanged) {
+  attend([&](const std::string&) {
+    if (asked.size() == 3) lamp_dn_per_s = 7'000;
+  });
+  const auto answer = sink.on_progress;
+  sink.on_progress = [&](const ScanProgress& p) {
+    answer(p);
+    if (asked.empty() && p.cells_done == 3) lamp_dn_per_s = 20'000 * (1 + 1.5 * plan.reference.limit);
+  };
+  ASSERT_TRUE(run());
+  EXPECT_THAT(asked, ElementsAre("", "negative", "negative"));
+}
+
+TEST_F(ScannerSlides, AResumedScanAsksForTheSlideThatIsNotIn) {
+  attend();
+  std::set<CellIndex> all = all_but({0, 1});
+  all.insert({0, 1});
+  scanner.refer_to({0, 20'000, 0, 0.032, 0});
+  scanner.refer_to({0, 7'000, 0, 0.032, 1});
+  ASSERT_TRUE(run_left({}, {all, {}}));
+  EXPECT_THAT(asked, ElementsAre("negative"));
+  ASSERT_EQ(sink.cells.size(), 6U);
+  for (const ReferenceReading& reading : sink.references) EXPECT_NEAR(reading.drift, 0, 0.01);
+}
+
 TEST_F(ScannerSlides, TheOperatorsWordCountsWhereFiltersReadAlike) {
   attend([](const std::string&) {});
   ASSERT_TRUE(run());

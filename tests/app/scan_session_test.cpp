@@ -185,6 +185,17 @@ TEST_F(ScanSessionTest, AddressesNamesAndPatienceMayChange) {
   EXPECT_NE(check_same_measurement("{}", request_.bench, request_.plan).value(), "");
 }
 
+TEST_F(ScanSessionTest, WhatARecordCouldNotSayYetIsAsItWasThen) {
+  auto record = nlohmann::json::parse(provenance_json("{}", request_, "2026-01-31T12:34:56Z", {}, nullptr));
+  nlohmann::json& bench = record["scans"][0]["bench"];
+  ASSERT_EQ(bench["camera"].erase("width_px") + bench["camera"].erase("height_px"), 2U);
+  ASSERT_EQ(bench["filter"].erase("change"), 1U);
+  const auto note = check_same_measurement(record.dump(), request_.bench, request_.plan);
+  ASSERT_TRUE(note) << note.error().message();
+  request_.bench.camera.width_px = 640;
+  EXPECT_FALSE(check_same_measurement(record.dump(), request_.bench, request_.plan));
+}
+
 TEST_F(ScanSessionTest, ProvenanceHasAnEndOnlyOnceThereIsOne) {
   const std::string begun = provenance_json("{}", request_, "2026-01-31T12:34:56Z", {}, nullptr);
   EXPECT_THAT(begun, testing::Not(testing::AnyOf(HasSubstr("\"ended\""), HasSubstr("timing_s"))));
