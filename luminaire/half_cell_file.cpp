@@ -42,17 +42,22 @@ std::string with_frames(Json header, const Bracket& bracket) {
 }
 
 struct Parts {
-  std::string_view header, dn;
+  JsonDocument header;
+  std::string_view dn;
 };
 
-Result<Parts> parts_of(std::string_view bytes, std::string_view where) {
+/// Of a file that is whole and of this format.
+Result<Parts> parts_of(std::string_view bytes, std::string_view where, std::string_view format) {
   const std::size_t end = bytes.size() > sha_digits ? bytes.find('\n', sha_digits + 1) : std::string_view::npos;
   if (end == std::string_view::npos || bytes[sha_digits] != '\n')
     return fail("ends early or is no half cell", std::string(where), remedy);
   const std::string_view rest = bytes.substr(sha_digits + 1);
   if (sha256_hex(rest) != bytes.substr(0, sha_digits))
     return fail("is not what was written: its SHA-256 differs", std::string(where), remedy);
-  return Parts{bytes.substr(sha_digits + 1, end - sha_digits - 1), bytes.substr(end + 1)};
+  Result<JsonDocument> header = JsonDocument::parse(bytes.substr(sha_digits + 1, end - sha_digits - 1), where);
+  if (!header) return tl::unexpected(header.error());
+  if (Status ok = header->check_format(format, version); !ok) return tl::unexpected(ok.error());
+  return Parts{std::move(*header), bytes.substr(end + 1)};
 }
 
 RawImage read_frame(const JsonValue& at) {
@@ -119,12 +124,9 @@ std::string encode_dark_set(const DarkSet& dark) {
 }
 
 Result<HalfCellFile> decode_half_cell(std::string_view bytes, std::string_view where) {
-  const Result<Parts> parts = parts_of(bytes, where);
+  Result<Parts> parts = parts_of(bytes, where, half_format);
   if (!parts) return tl::unexpected(parts.error());
-  Result<JsonDocument> document = JsonDocument::parse(parts->header, where);
-  if (!document) return tl::unexpected(document.error());
-  if (Status ok = document->check_format(half_format, version); !ok) return tl::unexpected(ok.error());
-  const JsonValue root = document->root();
+  const JsonValue root = parts->header.root();
   HalfCellFile file;
   RawCell& raw = file.half.raw;
   raw.cell = {root["row"].integer(0, most_cells_per_axis - 1), root["column"].integer(0, most_cells_per_axis - 1)};
@@ -137,7 +139,7 @@ Result<HalfCellFile> decode_half_cell(std::string_view bytes, std::string_view w
   RawPass pass;
   pass.stage_mm = root["stage_mm"].vec2();
   pass.bracket = read_frames(root["frames"]);
-  if (Status ok = document->status(); !ok) return tl::unexpected(ok.error());
+  if (Status ok = parts->header.status(); !ok) return tl::unexpected(ok.error());
   if (Status ok = fill(pass.bracket, parts->dn, where); !ok) return tl::unexpected(ok.error());
   for (RawImage& frame : pass.bracket) frame.stage_mm = pass.stage_mm;
   raw.passes.push_back(std::move(pass));
@@ -145,15 +147,12 @@ Result<HalfCellFile> decode_half_cell(std::string_view bytes, std::string_view w
 }
 
 Result<DarkSet> decode_dark_set(std::string_view bytes, std::string_view where) {
-  const Result<Parts> parts = parts_of(bytes, where);
+  Result<Parts> parts = parts_of(bytes, where, dark_format);
   if (!parts) return tl::unexpected(parts.error());
-  Result<JsonDocument> document = JsonDocument::parse(parts->header, where);
-  if (!document) return tl::unexpected(document.error());
-  if (Status ok = document->check_format(dark_format, version); !ok) return tl::unexpected(ok.error());
   DarkSet dark;
-  dark.block = document->root()["block"].integer(0, 1'000'000);
-  dark.bracket = read_frames(document->root()["frames"]);
-  if (Status ok = document->status(); !ok) return tl::unexpected(ok.error());
+  dark.block = parts->header.root()["block"].integer(0, 1'000'000);
+  dark.bracket = read_frames(parts->header.root()["frames"]);
+  if (Status ok = parts->header.status(); !ok) return tl::unexpected(ok.error());
   if (Status ok = fill(dark.bracket, parts->dn, where); !ok) return tl::unexpected(ok.error());
   return dark;
 }

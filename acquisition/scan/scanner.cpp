@@ -130,9 +130,8 @@ Status Scanner::take(const ReferenceStep& step) {
   if (!reference_read_)
     if (Status held = check_home(); !held) return held;
   const bool first = drift().first_dn_per_s() == 0;
-  const std::span<const RawImage> dark = std::span(dark_->bracket).subspan(ladder_.plan_begin, lit->bracket.size());
-  Result<ReferenceReading> reading = drift().read(lit->bracket, dark, bench_.sensor.saturation_dn, step.cells_done);
-  if (!reading) return blame(Culprit::lamp, place, std::move(reading).error());
+  Result<ReferenceReading> reading = read_light(drift(), lit->bracket, step, place);
+  if (!reading) return tl::unexpected(std::move(reading).error());
   if (!reference_read_)
     if (Status changed = check_slide(reading->signal_dn_per_s, first, place); !changed) return changed;
   reading->stabilised = std::exchange(stabilised_, std::nullopt);
@@ -142,6 +141,15 @@ Status Scanner::take(const ReferenceStep& step) {
   enter(ScanState::delivering);
   sink_->reference(*reading);
   return check_drift(*reading, place);
+}
+
+/// The reference cell's, against the dark set of now.
+Result<ReferenceReading> Scanner::read_light(ReferenceDrift& drift, const Bracket& lit, const ReferenceStep& step,
+                                             const std::string& place) {
+  const std::span<const RawImage> dark = std::span(dark_->bracket).subspan(ladder_.plan_begin, lit.size());
+  Result<ReferenceReading> reading = drift.read(lit, dark, bench_.sensor.saturation_dn, step.cells_done);
+  if (!reading) return blame(Culprit::lamp, place, std::move(reading).error());
+  return reading;
 }
 
 Status Scanner::take(const CellStep& step) {
@@ -197,19 +205,25 @@ Result<Scanner::Standing> Scanner::bracket_at(const Vec2& target_mm, const std::
                 "check that its motors hold and that nothing pulls at it, then resume"});
 }
 
+/// Through all of `stops`; nothing tells yet that it came to the last.
+Status Scanner::move(std::span<const Vec2> stops, const std::string& place) {
+  enter(ScanState::moving);
+  if (end_.stop_requested()) return scan_stopped();
+  came_to_mm_.reset();
+  Stretch moving(clock_, timing_.move_s);
+  for (const Vec2& stop : stops)
+    if (Status moved = stage().move_to(stop, end_.get_token()); !moved)
+      return blame(Culprit::stage, place, std::move(moved).error());
+  return {};
+}
+
 Result<Vec2> Scanner::stand_at(const Vec2& target_mm, const std::string& place) {
   Vec2 reading(0, 0);
   for (int attempt = 0; attempt < attempts; ++attempt) {
     // Move and let the vibration die away.
-    enter(ScanState::moving);
-    if (end_.stop_requested()) return scan_stopped();
-    {
-      Stretch moving(clock_, timing_.move_s);
-      for (const Vec2& stop : way_to(target_mm, bench_.stage.approach_mm, std::exchange(came_to_mm_, std::nullopt)))
-        if (Status status = stage().move_to(stop, end_.get_token()); !status)
-          return blame(Culprit::stage, place, std::move(status).error());
-      came_to_mm_ = target_mm;
-    }
+    const auto way = way_to(target_mm, bench_.stage.approach_mm, came_to_mm_);
+    if (Status moved = move(way, place); !moved) return tl::unexpected(std::move(moved).error());
+    came_to_mm_ = target_mm;
     enter(ScanState::settling);
     if (Status status = wait(plan_.settle_s + std::exchange(warm_up_left_s_, 0.0)); !status)
       return tl::unexpected(std::move(status).error());

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 
@@ -202,7 +203,10 @@ class Scanner {
   Status pause();
   Status retake(CellIndex cell);
   void work_on(std::string place, std::optional<CellIndex> cell = {});
+  Result<ReferenceReading> read_light(ReferenceDrift& drift, const Bracket& lit, const ReferenceStep& step,
+                                      const std::string& place);
   Result<Standing> bracket_at(const Vec2& target_mm, const std::string& place, Exposures exposures);
+  Status move(std::span<const Vec2> stops, const std::string& place);
   Result<Vec2> stand_at(const Vec2& target_mm, const std::string& place);
   Result<Bracket> expose_bracket(const Vec2& stage_mm, const std::string& place, Exposures exposures);
   Status adapt(Bracket& bracket, const Vec2& stage_mm, const std::string& place);

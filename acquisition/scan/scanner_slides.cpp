@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "acquisition/scan/scanner.h"
-#include "acquisition/scan/stretch.h"
 
 namespace lumifield {
 
@@ -31,14 +30,7 @@ Status Scanner::take(const SlideStep& step) {
 /// Out of the operator's way.
 Status Scanner::wait_for_slide(const SlideStep& step) {
   work_on("slide " + quoted(bench_, step.pass));
-  enter(ScanState::moving);
-  if (end_.stop_requested()) return scan_stopped();
-  came_to_mm_.reset();
-  {
-    Stretch moving(clock_, timing_.move_s);
-    if (Status moved = stage().move_to(step.stage_mm, end_.get_token()); !moved)
-      return blame(Culprit::stage, progress_.place, std::move(moved).error());
-  }
+  if (Status moved = move(std::span(&step.stage_mm, 1), progress_.place); !moved) return moved;
   slide_doubted_ = false;
   return ask_for_slide(step.pass, "the pass " + quoted(bench_, *slide_) + " is taken", "slide");
 }

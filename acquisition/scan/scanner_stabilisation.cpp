@@ -1,11 +1,9 @@
 // What the scanner waits for before the first cell: scanner.h, "Stabilisation".
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <utility>
 
 #include "acquisition/scan/scanner.h"
-#include "acquisition/scan/stretch.h"
 #include "acquisition/scan/wording.h"
 
 namespace lumifield {
@@ -77,9 +75,9 @@ Status Scanner::judge(const LampStability& lamp, double watched_s, const std::st
 Result<double> Scanner::reference_signal(const ReferenceStep& step, const std::string& place) {
   const Result<Standing> lit = bracket_at(step.stage_mm, place, Exposures::plan);
   if (!lit) return tl::unexpected(lit.error());
-  const std::span<const RawImage> dark = std::span(dark_->bracket).subspan(ladder_.plan_begin, lit->bracket.size());
-  const auto reading = ReferenceDrift().read(lit->bracket, dark, bench_.sensor.saturation_dn, step.cells_done);
-  if (!reading) return blame(Culprit::lamp, place, reading.error());
+  ReferenceDrift alone;
+  const auto reading = read_light(alone, lit->bracket, step, place);
+  if (!reading) return tl::unexpected(reading.error());
   return reading->signal_dn_per_s;
 }
 

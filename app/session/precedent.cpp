@@ -85,6 +85,13 @@ Json scans_of(const std::string& provenance_json) {
   return provenance["scans"];
 }
 
+/// A record with what could not be said in it yet, as its reader takes it; one that does not read stays as it is.
+template <class Parse>
+Json as_read(const Json& record, Parse parse) {
+  const auto read = parse(record.dump(-1, ' ', false, Json::error_handler_t::replace));
+  return read ? Json::parse(to_json(*read)) : record;
+}
+
 bool has_number(const Json& json, const char* key) { return json.contains(key) && json[key].is_number(); }
 
 }  // namespace
@@ -95,15 +102,11 @@ Result<std::string> check_same_measurement(const std::string& provenance_json, c
   for (const char* part : {"bench", "plan"})
     if (!last.is_object() || !last.contains(part) || !last[part].is_object() || last[part].empty())
       return "the dataset does not tell with which bench and plan it was begun: they are taken to be these";
-  Json bench_then = last["bench"];
-  if (bench_then.contains("filter") && bench_then["filter"].is_object() && !bench_then["filter"].contains("change"))
-    bench_then["filter"]["change"] = "stage";  // as all were before it could be said
-  if (bench_then.contains("camera") && bench_then["camera"].is_object())
-    for (const char* side : {"width_px", "height_px"})
-      if (!bench_then["camera"].contains(side)) bench_then["camera"][side] = 0;
+  const Json bench_then = as_read(last["bench"], [](const std::string& text) { return parse_bench(text, "bench"); });
+  const Json plan_then = as_read(last["plan"], [](const std::string& text) { return parse_plan(text, "plan"); });
   if (Status same = check_same(bench_then, Json::parse(to_json(bench)), "bench"); !same)
     return tl::unexpected(same.error());
-  if (Status same = check_same(last["plan"], Json::parse(to_json(plan)), "plan"); !same)
+  if (Status same = check_same(plan_then, Json::parse(to_json(plan)), "plan"); !same)
     return tl::unexpected(same.error());
   return "";
 }

@@ -31,16 +31,9 @@ struct Told {
 class PassByPassTest : public support::TemporaryFolder {
  protected:
   PassByPassTest() {
-    request_.bench = test::small_bench();
-    CameraModel& m = request_.bench.camera_model;
-    m.width_px = width, m.height_px = height;
-    m.fx = 300, m.fy = 300, m.cx = 79.5, m.cy = 59.5;
-    m.pose(2, 3) = 150;
-    request_.bench.sensor = {64, 0.25, 3, 4000, {20000}, "2024-05-01", "synthetic"};
+    request_.bench = test::developed_bench();
     request_.bench.filter.change = PassChange::by_operator;
-    request_.plan = test::small_plan();
-    request_.plan.measurement = {24, 18, {4, 4}, {0, 0}};
-    request_.plan.settle_s = 0;
+    request_.plan = test::developed_plan();
     request_.out = folder_ / "lamp.lumi";
     request_.devices = doubles_.devices();
   }

@@ -14,15 +14,8 @@ constexpr int width = 160, height = 120;
 
 RehearsalRequest request(test::DoubleBench& doubles) {
   RehearsalRequest made;
-  made.bench = test::small_bench();
-  CameraModel& m = made.bench.camera_model;
-  m.width_px = width, m.height_px = height;
-  m.fx = 300, m.fy = 300, m.cx = 79.5, m.cy = 59.5;
-  m.pose(2, 3) = 150;
-  made.bench.sensor = {64, 0.25, 3, 4000, {20000}, "2024-05-01", "synthetic"};
-  made.plan = test::small_plan();
-  made.plan.measurement = {24, 18, {4, 4}, {0, 0}};
-  made.plan.settle_s = 0;
+  made.bench = test::developed_bench();
+  made.plan = test::developed_plan();
   made.out = testing::TempDir() + "/not/there/yet.lumi";
   made.devices = doubles.devices();
   return made;

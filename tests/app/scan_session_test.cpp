@@ -27,15 +27,10 @@ class ScanSessionTest : public testing::Test {
  protected:
   ScanSessionTest() {
     fs::remove_all(folder_);
-    request_.bench = test::small_bench();
+    request_.bench = test::developed_bench();
     request_.bench.camera.kind = "none";
-    CameraModel& m = request_.bench.camera_model;
-    m.width_px = 160, m.height_px = 120;
-    m.fx = 300, m.fy = 300, m.cx = 79.5, m.cy = 59.5;
-    m.pose(2, 3) = 150;
     request_.bench.sensor = {240, 2.0, 5, 4000, {20000}, "2024-05-01", "synthetic"};
-    request_.plan = test::small_plan();
-    request_.plan.measurement = {24, 18, {4, 4}, {0, 0}};
+    request_.plan = test::developed_plan();
     request_.out = folder_;
   }
   ~ScanSessionTest() override { fs::remove_all(folder_); }
@@ -186,6 +181,7 @@ TEST_F(ScanSessionTest, AddressesNamesAndPatienceMayChange) {
 }
 
 TEST_F(ScanSessionTest, WhatARecordCouldNotSayYetIsAsItWasThen) {
+  request_.bench.camera.kind = "aravis";
   auto record = nlohmann::json::parse(provenance_json("{}", request_, "2026-01-31T12:34:56Z", {}, nullptr));
   nlohmann::json& bench = record["scans"][0]["bench"];
   ASSERT_EQ(bench["camera"].erase("width_px") + bench["camera"].erase("height_px"), 2U);

@@ -54,4 +54,22 @@ inline Plan small_plan() {
   return plan;
 }
 
+/// What every check before a scan lets pass: small_bench before a sensor of 160 × 120, small_plan without a wait.
+inline Bench developed_bench() {
+  Bench bench = small_bench();
+  CameraModel& m = bench.camera_model;
+  m.width_px = 160, m.height_px = 120;
+  m.fx = 300, m.fy = 300, m.cx = 79.5, m.cy = 59.5;
+  m.pose(2, 3) = 150;
+  bench.sensor = {64, 0.25, 3, 4000, {20000}, "2024-05-01", "synthetic"};
+  return bench;
+}
+
+inline Plan developed_plan() {
+  Plan plan = small_plan();
+  plan.measurement = {24, 18, {4, 4}, {0, 0}};
+  plan.settle_s = 0;
+  return plan;
+}
+
 }  // namespace lumifield::test

@@ -17,23 +17,13 @@ constexpr int width = 160, height = 120;
 
 /// What every check before a scan lets pass.
 std::string bench_file() {
-  Bench bench = test::small_bench();
+  Bench bench = test::developed_bench();
   bench.camera.readout_s = 0;
   bench.camera.address = bench.stage.path = "in this process";
-  CameraModel& m = bench.camera_model;
-  m.width_px = width, m.height_px = height;
-  m.fx = 300, m.fy = 300, m.cx = 79.5, m.cy = 59.5;
-  m.pose(2, 3) = 150;
-  bench.sensor = {64, 0.25, 3, 4000, {20000}, "2024-05-01", "synthetic"};
   return to_json(bench);
 }
 
-std::string plan_file() {
-  Plan plan = test::small_plan();
-  plan.measurement = {24, 18, {4, 4}, {0, 0}};
-  plan.settle_s = 0;
-  return to_json(plan);
-}
+std::string plan_file() { return to_json(test::developed_plan()); }
 
 /// The rules between opening and scanning, on a bench of doubles; the render thread has no scene and makes no picture.
 class WorkbenchTest : public testing::Test {
