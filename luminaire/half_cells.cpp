@@ -140,23 +140,33 @@ Result<HalfCell> HalfCells::read(CellIndex cell, int pass) {
   return std::move(read->half);
 }
 
+void HalfCells::forget_stale(const Manifest& manifest) {
+  for (const CellEntry& entry : manifest.cells)
+    std::erase_if(held_, [&](const auto& half) {
+      return half.first.first == entry.cell && half.second.generation <= entry.generation;
+    });
+}
+
 Status HalfCells::remove_stale(const Manifest& manifest) {
-  std::map<CellIndex, int> whole;
-  for (const CellEntry& entry : manifest.cells) whole[entry.cell] = entry.generation;
-  std::erase_if(held_, [&](const auto& half) {
-    const auto cell = whole.find(half.first.first);
-    return cell != whole.end() && half.second.generation <= cell->second;
-  });
-  std::set<std::string> named;
-  for (const auto& [place, held] : held_) named.insert(held.dark);
+  forget_stale(manifest);
+  std::set<CellIndex> whole;
+  for (const CellEntry& entry : manifest.cells) whole.insert(entry.cell);
   const auto names = names_in(folder_);
   if (!names) return tl::unexpected(names.error());
+
+  std::set<std::string> named;
+  for (const auto& [place, held] : held_) named.insert(held.dark);
+  const auto is_unread = [&](const std::string& name) {
+    const auto place = place_of(name);
+    return place && !held_.contains(*place) && !whole.contains(place->first);
+  };
+  const bool keeps_dark_sets = std::ranges::any_of(*names, is_unread);
+
   for (const std::string& name : *names) {
     const auto place = place_of(name);
-    // A damaged one of a cell that is still to be taken is replaced by it.
-    const bool left_over =
-        place ? whole.contains(place->first) && !held_.contains(*place)
-              : (std::regex_match(name, dark_name) && !named.contains(name)) || name.ends_with(".raw.tmp");
+    const bool left_over = place ? whole.contains(place->first) && !held_.contains(*place)
+                                 : name.ends_with(".raw.tmp") ||
+                                       (std::regex_match(name, dark_name) && !named.contains(name) && !keeps_dark_sets);
     if (!left_over) continue;
     if (Status ok = remove_file(folder_ / name); !ok) return ok;
   }

@@ -45,7 +45,10 @@ class HalfCells {
   Status add(const HalfCell& half);
   /// Errors: one that is not there, or was damaged since it was stored.
   Result<HalfCell> read(CellIndex cell, int pass);
-  /// Removes what is stale, dark sets that no half cell names, temporary files, and the folder when it is empty.
+  /// What is stale does not count any more; its files stay.
+  void forget_stale(const Manifest& manifest);
+  /// Removes what is stale, temporary files, dark sets that no half cell names, and the folder when it is empty. A file
+  /// that could not be read, of a cell that is not whole, stays with all dark sets: it may be readable another time.
   Status remove_stale(const Manifest& manifest);
 
   /// What open() passed over.

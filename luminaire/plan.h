@@ -33,7 +33,7 @@ struct ExposureLimits {
 };
 
 /// When a lamp counts as steady: its readings over the last `over_s` spread by no more than `within`, (largest −
-/// smallest)/smallest. CIE S 025 asks for 0.005 over 900 s.
+/// smallest)/smallest. The form of CIE S 025, where it is 0.005 over 900 s (its text was not at hand).
 struct Stabilisation {
   double within = 0;   ///< 0 < within < 1
   double over_s = 0;   ///< 1 s … 1 day

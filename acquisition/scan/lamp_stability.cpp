@@ -17,9 +17,10 @@ std::optional<double> LampStability::spread() const {
   return (high.signal - low.signal) / low.signal;
 }
 
-bool LampStability::steady() const {
-  return judges() && readings_.back().time_s - readings_.front().time_s >= wanted_.over_s &&
-         *spread() <= wanted_.within;
+bool LampStability::judges() const {
+  return readings_.size() >= fewest && readings_.back().time_s - readings_.front().time_s >= wanted_.over_s;
 }
+
+bool LampStability::steady() const { return judges() && *spread() <= wanted_.within; }
 
 }  // namespace lumifield

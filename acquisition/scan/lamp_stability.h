@@ -18,8 +18,8 @@ class LampStability {
   /// Absent before the second reading.
   std::optional<double> spread() const;
   bool steady() const;
-  /// There are enough readings for a verdict, whatever their age.
-  bool judges() const { return readings_.size() >= fewest; }
+  /// There are enough readings for a verdict, and one that is over_s old.
+  bool judges() const;
 
  private:
   static constexpr std::size_t fewest = 3;

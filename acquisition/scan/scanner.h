@@ -187,6 +187,7 @@ class Scanner {
   Status check_drift(const ReferenceReading& reading, const std::string& place);
   Status stabilise(const ReferenceStep& step, const std::string& place);
   Status watch_lamp(const ReferenceStep& step, const std::string& place);
+  Status wait_for_reading(double due_s);
   Status judge(const LampStability& lamp, double watched_s, const std::string& place);
   Result<double> reference_signal(const ReferenceStep& step, const std::string& place);
   Status take(const DarkStep& step);

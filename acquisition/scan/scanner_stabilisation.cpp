@@ -10,7 +10,8 @@ namespace lumifield {
 
 namespace {
 
-constexpr double readings_within = 10;  ///< of over_s
+constexpr double readings_over = 10;      ///< readings in over_s, so that a lamp is seen to come to rest within a tenth
+constexpr double look_for_pause_s = 0.1;  ///< while the next one is waited for
 
 std::string percent(double share) { return say(std::round(1e5 * share) / 1000) + " %"; }
 
@@ -29,6 +30,12 @@ Status Scanner::watch_lamp(const ReferenceStep& step, const std::string& place) 
   LampStability lamp(wanted);
   double begin_s = clock_.now_s();
   for (;;) {
+    if (control_ && control_->paused()) {
+      if (Status word = await_operator(); !word) return word;
+      lamp = LampStability(wanted);
+      begin_s = clock_.now_s();
+      continue;
+    }
     const double reading_s = clock_.now_s();
     const Result<double> signal = reference_signal(step, place);
     if (!signal) return tl::unexpected(signal.error());
@@ -38,17 +45,20 @@ Status Scanner::watch_lamp(const ReferenceStep& step, const std::string& place) 
     progress_.stabilisation = {*signal, lamp.spread(), wanted.within, left_s, wanted.limit_s};
     enter(ScanState::stabilising);
     if (lamp.steady() || (left_s == 0 && lamp.judges())) return judge(lamp, watched_s, place);
-    if (control_ && control_->paused()) {
-      if (Status word = await_operator(); !word) return word;
-      lamp = LampStability(wanted);
-      begin_s = clock_.now_s();
-      continue;
-    }
-    if (Status waited = wait(std::max(0.0, wanted.over_s / readings_within - (now_s - reading_s))); !waited)
-      return waited;
+    if (Status waited = wait_for_reading(reading_s + wanted.over_s / readings_over); !waited) return waited;
     // What is left of the scan's own time does not run down meanwhile.
     first_step_s_ += clock_.now_s() - reading_s;
   }
+}
+
+/// Until it is due, or the operator pauses.
+Status Scanner::wait_for_reading(double due_s) {
+  while (!(control_ && control_->paused())) {
+    const double left_s = due_s - clock_.now_s();
+    if (left_s <= 0) break;
+    if (Status waited = wait(std::min(left_s, look_for_pause_s)); !waited) return waited;
+  }
+  return {};
 }
 
 /// The verdict on a lamp that is steady, or that time has run out for.

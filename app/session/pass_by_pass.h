@@ -19,7 +19,7 @@ namespace lumifield {
 /// Thread-bound to the develop thread while that runs.
 class PassByPass {
  public:
-  /// Of a dataset whose writer the caller holds, with these whole cells. Removes what is stale.
+  /// Of a dataset whose writer the caller holds, with these whole cells. Removes nothing.
   static Result<PassByPass> open(const Bench& bench, const Plan& plan, const std::filesystem::path& dataset,
                                  const Manifest& whole);
 

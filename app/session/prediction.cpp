@@ -2,7 +2,6 @@
 
 #include "acquisition/scan/motion_time.h"
 #include "app/session/stored_bytes.h"
-#include "calibration/develop.h"
 
 namespace lumifield {
 
@@ -23,9 +22,7 @@ std::optional<double> room_for(std::filesystem::path out) {
 ScanPrediction predict(const Bench& bench, const Plan& plan, const ScanPlan& steps, const StageInfo& stage,
                        const std::filesystem::path& out) {
   return {steps.cells, scan_time_s(steps.steps, bench, plan, stage_speed(bench.stage, stage)),
-          plan.stabilisation ? plan.stabilisation->limit_s : 0,
-          steps.cells * (stored_cell_bytes(luminaire_geometry(bench, plan)) + half_cells_bytes(bench, plan)),
-          room_for(out)};
+          plan.stabilisation ? plan.stabilisation->limit_s : 0, stored_bytes(bench, plan, steps.cells), room_for(out)};
 }
 
 }  // namespace lumifield

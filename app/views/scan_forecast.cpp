@@ -68,10 +68,6 @@ std::set<CellIndex> look_at_out(ScanForecast& to, std::filesystem::path out, con
   return std::filesystem::exists(out, code) ? read_done(to, out, bench, plan) : std::set<CellIndex>();
 }
 
-double cell_bytes(const Bench& bench, const Plan& plan) {
-  return stored_cell_bytes(luminaire_geometry(bench, plan)) + half_cells_bytes(bench, plan);
-}
-
 void plan_scan(ScanForecast& to, const Bench& bench, const Plan& plan, const std::set<CellIndex>& done) {
   to.columns = plan.columns;
   to.rows = plan.rows;
@@ -85,7 +81,7 @@ void plan_scan(ScanForecast& to, const Bench& bench, const Plan& plan, const std
   to.to_do = steps->cells;
   to.predicted_s = steps->predicted_s;
   to.assumed_mm_s = bench.stage.rapid_mm_s > 0 ? 0 : stage_speed(bench.stage).rapid_mm_s;
-  to.disk_bytes = steps->cells * cell_bytes(bench, plan);
+  to.disk_bytes = stored_bytes(bench, plan, steps->cells);
 }
 
 }  // namespace

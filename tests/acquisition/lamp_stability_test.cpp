@@ -15,12 +15,14 @@ TEST(LampStability, TakesThreeReadingsAndTheWholeTime) {
   EXPECT_FALSE(lamp.spread());
   lamp.add(60, 100);
   EXPECT_EQ(lamp.spread(), 0);
+  EXPECT_FALSE(lamp.judges());
   EXPECT_FALSE(lamp.steady());
   lamp.add(61, 100);
   EXPECT_TRUE(lamp.steady());
 
   LampStability quick(wanted);
   for (int s = 0; s < 60; ++s) quick.add(s, 100);
+  EXPECT_FALSE(quick.judges()) << "flat so far, but not for long enough to be called unsteady either";
   EXPECT_FALSE(quick.steady());
   quick.add(60, 100);
   EXPECT_TRUE(quick.steady());

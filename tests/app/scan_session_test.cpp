@@ -182,6 +182,7 @@ TEST_F(ScanSessionTest, AddressesNamesAndPatienceMayChange) {
 
 TEST_F(ScanSessionTest, WhatARecordCouldNotSayYetIsAsItWasThen) {
   request_.bench.camera.kind = "aravis";
+  request_.bench.camera.address = request_.bench.stage.path = "as named";
   auto record = nlohmann::json::parse(provenance_json("{}", request_, "2026-01-31T12:34:56Z", {}, nullptr));
   nlohmann::json& bench = record["scans"][0]["bench"];
   ASSERT_EQ(bench["camera"].erase("width_px") + bench["camera"].erase("height_px"), 2U);

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <set>
 
 #include "luminaire/half_cell_file.h"
 #include "tests/support/dataset_folder.h"
@@ -45,11 +46,11 @@ class HalfCellsTest : public support::TemporaryFolder {
     EXPECT_TRUE(halves) << halves.error().message();
     return std::move(*halves);
   }
-  std::vector<std::string> files() const {
-    std::vector<std::string> names;
+  std::set<std::string> files() const {
+    std::set<std::string> names;
     std::error_code none;
     for (const auto& each : fs::directory_iterator(dataset_ / "halves", none))
-      names.push_back(each.path().filename().string());
+      names.insert(each.path().filename().string());
     return names;
   }
 
@@ -187,6 +188,27 @@ TEST_F(HalfCellsTest, WhatIsPartOfAWholeCellIsRemoved) {
   ASSERT_TRUE(halves.remove_stale(manifest));
   EXPECT_FALSE(fs::exists(dataset_ / "halves"));
   ASSERT_TRUE(halves.remove_stale(manifest));
+}
+
+TEST_F(HalfCellsTest, WhatCouldNotBeReadStaysWithItsDarkSet) {
+  {
+    HalfCells halves = open();
+    ASSERT_TRUE(halves.add(half({1, 12}, 7, 0, 1)));
+  }
+  const std::set<std::string> before = files();
+  const auto dark = std::ranges::find_if(before, [](const std::string& name) { return name.starts_with("dark."); });
+  ASSERT_NE(dark, before.end());
+  const fs::path file = dataset_ / "halves" / *dark, aside = dataset_ / "aside";
+  fs::rename(file, aside);
+  fs::create_directory(file);  // reading it fails
+  HalfCells halves = open();
+  EXPECT_EQ(halves.size(), 0U);
+  EXPECT_EQ(halves.notes().size(), 1U);
+  ASSERT_TRUE(halves.remove_stale(Manifest()));
+  EXPECT_EQ(files(), before);
+  fs::remove(file);
+  fs::rename(aside, file);
+  EXPECT_EQ(open().size(), 1U);
 }
 
 TEST_F(HalfCellsTest, ADiskThatRefusesLeavesTheHalvesThatWereThere) {
