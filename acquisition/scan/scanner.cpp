@@ -253,7 +253,8 @@ Status Scanner::park() {
 Status Scanner::end(Status status) {
   if (!status) stage().halt();
   if (!status) tell_unchecked();
-  const bool waits_for_slide = !status && !progress_.slide.empty() && !stop_.stop_requested();
+  const bool waits_for_slide =
+      !status && status.error().kind == ErrorKind::waiting && !progress_.slide.empty() && !stop_.stop_requested();
   if (!status && status.error().kind == ErrorKind::stopped && stop_.stop_requested()) {
     status = scan_stopped();
     enter(ScanState::stopped);

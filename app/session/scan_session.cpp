@@ -233,6 +233,8 @@ Status ScanSession::Impl::begin() {
 /// Nothing half-written: a scan that stored no cell leaves no folder behind that it made, and none changed.
 Status ScanSession::Impl::discard_dataset() {
   if (!writer || !created || !writer->manifest().cells.empty() || (passes && passes->size() > 0)) return {};
+  if (passes)
+    if (Status ok = passes->remove_stale(writer->manifest()); !ok) return ok;  // a dark set whose half cell failed
   return remove_empty_dataset(request.out);
 }
 

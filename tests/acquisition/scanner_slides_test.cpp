@@ -53,6 +53,17 @@ class ScannerSlides : public ScannerTest {
   std::vector<Vec2> places_at_pauses;
 };
 
+TEST_F(ScannerSlides, OneWhoseCellsNobodyTakesAnyMoreHasFailed) {
+  std::stop_source abandon;
+  attend([&](const std::string&) { abandon.request_stop(); });
+  const auto steps = make_scan_plan(bench, plan);
+  ASSERT_TRUE(steps);
+  const Status status = scanner.run(*steps, sink, stop.get_token(), abandon.get_token());
+  ASSERT_FALSE(status);
+  EXPECT_THAT(status.error().message(), HasSubstr("nobody takes its cells"));
+  EXPECT_EQ(scanner.state(), ScanState::failed);
+}
+
 TEST_F(ScannerSlides, PassesAreTheOuterLoopAndTheSlideIsAskedForBetween) {
   attend();
   ASSERT_TRUE(run());

@@ -125,6 +125,19 @@ TEST_F(PassByPassTest, AWindowThatGoesOnShowsThePassThatIsThere) {
   for (const PassStored& pass : told.passes) EXPECT_TRUE(pass.image);
 }
 
+TEST_F(PassByPassTest, StoppedBeforeTheFirstHalfCellNothingIsLeft) {
+  doubles_.hold_exposures_after(three_cells / 5);
+  const Told told = scan([&](ScanSession& session, const SessionEvent& event) {
+    if (!std::holds_alternative<ScanPrediction>(event)) return;
+    session.stop();
+    doubles_.hold_exposures(false);
+  });
+  ASSERT_FALSE(told.summary);
+  EXPECT_EQ(told.summary.error().kind, ErrorKind::stopped);
+  EXPECT_THAT(told.summary.error().message(), Not(HasSubstr("and then")));
+  EXPECT_FALSE(fs::exists(request_.out)) << told.summary.error().message();
+}
+
 TEST_F(PassByPassTest, AStoppedPassGoesOnWithTheCellsThatAreMissing) {
   doubles_.hold_exposures_after(three_cells);
   Told told = scan([&, taken = 0](ScanSession& session, const SessionEvent& event) mutable {
