@@ -13,6 +13,7 @@ namespace lumifield {
 struct CameraInfo {
   std::string vendor, model, serial, address;
   int sensor_width_px = 0, sensor_height_px = 0;
+  double frame_wait_s = 0;  ///< beyond its exposure, of a camera that runs free; 0: CameraSettings::readout_s says it
 };
 
 /// The role of a camera: one complete frame per call, exposed when asked. Thread-bound: opened, used and destroyed by the

@@ -17,6 +17,7 @@ namespace lumifield {
 namespace {
 
 constexpr double watchdog_s = 0.3, start_up_s = 2;
+constexpr double restart_s = 0.4;  // about what a stream that is started anew costs
 constexpr int incomplete_limit = 5;
 constexpr double pace_tolerance = 0.05;  // of time stamps
 
@@ -40,7 +41,7 @@ class V4l2Camera final : public Camera {
   Status start_stream();
   Status check_alive();
   Status apply_exposure(double exposure_s);
-  Status widen_interval();
+  Status fit_interval();
   Status pass_over_arrived();
   Result<std::optional<RawImage>> judge(const V4l2Stream::Frame& frame);
   Status check_pace(const V4l2Stream::Frame& frame) const;
@@ -65,6 +66,7 @@ class V4l2Camera final : public Camera {
   std::optional<V4l2Stream> stream_;
   std::optional<double> asked_exposure_s_;
   double exposure_s_ = 0;
+  double own_interval_s_ = 0;  ///< at short exposures
   struct Seen {
     std::uint32_t sequence;
     double stamp_s;
@@ -80,6 +82,8 @@ Status V4l2Camera::start() {
   if (!picture) return tl::unexpected(picture.error());
   picture_ = *picture;
   info_.sensor_width_px = picture_.width_px, info_.sensor_height_px = picture_.height_px;
+  own_interval_s_ = picture_.frame_interval_s;
+  info_.frame_wait_s = (V4l2Freshness::frames_passed_over + 0.5) * own_interval_s_;
   Result<V4l2Controls> controls = V4l2Controls::apply(node_, settings_);
   if (!controls) return tl::unexpected(controls.error());
   controls_.emplace(std::move(*controls));
@@ -102,11 +106,14 @@ Status V4l2Camera::check_alive() {
   return {};
 }
 
-/// Some cameras expose no longer than from one frame to the next, whatever they say.
-Status V4l2Camera::widen_interval() {
-  if (picture_.frame_interval_s == 0 || exposure_s_ <= picture_.frame_interval_s) return {};
+/// Some cameras expose no longer than from one frame to the next, whatever they say. After a long exposure the interval
+/// is set back where a frame, which takes two, gains more by that than it costs.
+Status V4l2Camera::fit_interval() {
+  const double is_s = picture_.frame_interval_s;
+  const double wanted_s = std::max(exposure_s_, own_interval_s_);
+  if (is_s == 0 || (exposure_s_ <= is_s && 2 * (is_s - wanted_s) < restart_s)) return {};
   stream_.reset();  // which few cameras change while they stream
-  picture_.frame_interval_s = set_frame_interval(node_, exposure_s_);
+  picture_.frame_interval_s = set_frame_interval(node_, wanted_s);
   return start_stream();
 }
 
@@ -121,7 +128,7 @@ Status V4l2Camera::apply_exposure(double exposure_s) {
     asked_exposure_s_ = exposure_s;
     exposure_s_ = *taken;
     last_.reset();
-    if (Status widened = widen_interval(); !widened) return widened;
+    if (Status fitted = fit_interval(); !fitted) return fitted;
   }
   freshness_.ask(now_s(), exposure_s_, picture_.frame_interval_s, is_changed);
   return {};

@@ -144,7 +144,7 @@ double set_frame_interval(const V4l2Node& node, double interval_s) {
   const auto told_s = [&] {
     return interval.denominator == 0 ? 0 : static_cast<double>(interval.numerator) / interval.denominator;
   };
-  if (interval_s <= told_s() || (parameters.parm.capture.capability & V4L2_CAP_TIMEPERFRAME) == 0) return told_s();
+  if (interval_s == 0 || (parameters.parm.capture.capability & V4L2_CAP_TIMEPERFRAME) == 0) return told_s();
   constexpr std::uint32_t per_s = 10'000;  // the unit of exposures, too
   interval = {static_cast<std::uint32_t>(std::ceil(interval_s * per_s)), per_s};
   node.call(VIDIOC_S_PARM, &parameters);  // what it took is what is told next

@@ -38,8 +38,8 @@ V4l2Formats v4l2_formats(const V4l2Node& node);
 /// one; interlaced pictures; held by another program.
 Result<V4l2Picture> set_picture(const V4l2Node& node, const CameraSettings& settings);
 
-/// Asks for at least this time from one frame to the next, which a camera may need to expose that long. The interval
-/// that it took; 0: it does not tell.
+/// Asks for this time from one frame to the next, or for nothing with 0. A camera may need one as long as the exposure.
+/// The interval that it took; 0: it does not tell.
 double set_frame_interval(const V4l2Node& node, double interval_s);
 
 }  // namespace lumifield

@@ -13,7 +13,6 @@ constexpr int baud = 115200;
 constexpr milliseconds wake_time(3000);  // a board that restarts on opening runs its boot loader for up to 2 s
 constexpr milliseconds wake_period(250);
 constexpr milliseconds wake_reset_after(2000);  // in a critical alarm `?` stays unanswered until a reset
-constexpr milliseconds answer_time(1000);
 /// Silence is believed on the second wait only: one that began before the whole machine was held up would end at once.
 constexpr int answer_waits = 2;
 constexpr milliseconds reset_time(2000);
@@ -108,7 +107,7 @@ Status GrblDialogue::command(std::string_view line, Milliseconds timeout) {
     if (!done) return tl::unexpected(done.error());
     if (*done) return {};
   }
-  return silent("2 s");
+  return silent("5 s");
 }
 
 Status GrblDialogue::send(std::string_view line) {
@@ -153,7 +152,7 @@ Result<GrblStatus> GrblDialogue::ask() {
     if (!status) return tl::unexpected(status.error());
     if (*status) return **status;
   }
-  return silent("2 s");
+  return silent("5 s");
 }
 
 Result<std::optional<GrblStatus>> GrblDialogue::ask_once() {
@@ -197,7 +196,7 @@ Status GrblDialogue::reset() {
     forget_noise();
     return {};
   } while (Clock::now() < deadline);
-  return silent("2 s");
+  return silent("5 s");
 }
 
 void GrblDialogue::send_now(char character) {

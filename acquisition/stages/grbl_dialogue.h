@@ -17,6 +17,9 @@ namespace lumifield {
 class GrblDialogue {
  public:
   using Milliseconds = std::chrono::milliseconds;
+  /// Waited for twice. Controllers answer within milliseconds; on a busy machine the kernel hands the bytes on up to
+  /// 0.6 s late.
+  static constexpr Milliseconds answer_time{2500};
 
   static constexpr char hold = '!', reset_byte = 0x18;
 
@@ -36,13 +39,13 @@ class GrblDialogue {
   double setting_or(int number, double otherwise) const;
 
   /// Sends a line and waits for its `ok`.
-  Status command(std::string_view line, Milliseconds timeout = Milliseconds(1000));
+  Status command(std::string_view line, Milliseconds timeout = answer_time);
 
   /// The two halves of command(), for those that take long. await_ok: true = `ok` has come, false = not yet.
   Status send(std::string_view line);
   Result<bool> await_ok(Milliseconds timeout);
 
-  /// A fresh report, the position as machine position in mm. Errors: an alarm since the last reset; no answer in 1 s.
+  /// A fresh report, the position as machine position in mm. Errors: an alarm since the last reset; no answer in 5 s.
   Result<GrblStatus> status();
 
   /// Stops without losing the position, then resets: feed hold, stand-still, reset.

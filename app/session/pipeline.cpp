@@ -58,10 +58,11 @@ Status scan(const ScanRequest& request, const ScanPlan& steps, const std::map<in
   if (Status opened = instruments.open(); !opened) return opened;
   outcome.camera = name_of(instruments.camera().info());
   outcome.stage = name_of(instruments.stage().info());
-  outcome.prediction = predict(request.bench, request.plan, steps, instruments.stage().info(), request.out);
+  const Bench bench = at_the_pace_of(instruments.camera().info(), request.bench);
+  outcome.prediction = predict(bench, request.plan, steps, instruments.stage().info(), request.out);
   pipeline.events.push(*outcome.prediction);
 
-  Scanner scanner(instruments.camera(), instruments.stage(), request.bench, request.plan);
+  Scanner scanner(instruments.camera(), instruments.stage(), bench, request.plan);
   for (const auto& [pass, reading] : first) scanner.refer_to(reading);
   if (request.accept_drift) scanner.accept_drift();
   scanner.obey(pipeline.control);

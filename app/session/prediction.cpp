@@ -19,6 +19,11 @@ std::optional<double> room_for(std::filesystem::path out) {
 
 }  // namespace
 
+Bench at_the_pace_of(const CameraInfo& camera, Bench bench) {
+  bench.camera.readout_s = std::max(bench.camera.readout_s, camera.frame_wait_s);
+  return bench;
+}
+
 ScanPrediction predict(const Bench& bench, const Plan& plan, const ScanPlan& steps, const StageInfo& stage,
                        const std::filesystem::path& out) {
   return {steps.cells, scan_time_s(steps.steps, bench, plan, stage_speed(bench.stage, stage)),

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "acquisition/camera.h"
 #include "acquisition/scan/scan_plan.h"
 #include "acquisition/stage.h"
 
@@ -18,6 +19,10 @@ struct ScanPrediction {
 
   bool has_room() const { return !free_bytes || *free_bytes >= bytes; }
 };
+
+/// The bench as it is for predictions and for what counts as read-out, with a camera that is open: one that runs free
+/// is waited for.
+Bench at_the_pace_of(const CameraInfo& camera, Bench bench);
 
 /// Of `steps`; `stage` is open, `out` need not be there.
 ScanPrediction predict(const Bench& bench, const Plan& plan, const ScanPlan& steps, const StageInfo& stage,

@@ -227,7 +227,7 @@ struct FaultCase {
 
 class GrblStageInMotion : public testing::TestWithParam<FaultCase> {};
 INSTANTIATE_TEST_SUITE_P(Faults, GrblStageInMotion,
-                         testing::Values(FaultCase{Fault::silence, "silence", "no answer within 2 s", false},
+                         testing::Values(FaultCase{Fault::silence, "silence", "no answer within 5 s", false},
                                          FaultCase{Fault::garbage, "garbage", "unreadable answers", false},
                                          FaultCase{Fault::alarm, "alarm", "alarm 1, a limit switch was hit", true},
                                          FaultCase{Fault::door, "door", "safety door is open", false},

@@ -160,7 +160,7 @@ struct FaultCase {
 
 class ScanOnFaultyStage : public testing::TestWithParam<FaultCase> {};
 INSTANTIATE_TEST_SUITE_P(Faults, ScanOnFaultyStage,
-                         testing::Values(FaultCase{ScriptedGrbl::Fault::silence, "silence", "no answer within 2 s"},
+                         testing::Values(FaultCase{ScriptedGrbl::Fault::silence, "silence", "no answer within 5 s"},
                                          FaultCase{ScriptedGrbl::Fault::garbage, "garbage", "unreadable answers"},
                                          FaultCase{ScriptedGrbl::Fault::alarm, "alarm", "a limit switch was hit"},
                                          FaultCase{ScriptedGrbl::Fault::unplug, "unplug", "unplugged or switched off"}),

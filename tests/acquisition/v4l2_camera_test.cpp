@@ -12,6 +12,8 @@
 #include <sys/wait.h>
 #include <thread>
 
+#include "acquisition/cameras/v4l2_format.h"
+#include "acquisition/cameras/v4l2_node.h"
 #include "tests/support/camera_test.h"
 #include "tests/support/v4l2_double.h"
 
@@ -285,6 +287,28 @@ TEST_F(V4l2Camera, LongExposuresGetALongerFrameInterval) {
     ASSERT_TRUE(image) << image.error().message();
     EXPECT_EQ(wrong_photosites(*image, exposure_s, 0, 0, 12), 0);
   }
+}
+
+TEST_F(V4l2Camera, AfterALongExposureTheFrameIntervalIsItsOwnAgain) {
+  V4l2Double double_;
+  const auto camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  const auto interval_s = [&] {
+    const auto node = V4l2Node::open(double_.settings().address);
+    EXPECT_TRUE(node);
+    return node ? set_frame_interval(*node, 0) : 0;
+  };
+  const double own_s = interval_s();
+  EXPECT_DOUBLE_EQ(camera->info().frame_wait_s, 3.5 * own_s);
+  ASSERT_TRUE(camera->expose(0.1));
+  EXPECT_NEAR(interval_s(), 0.1, 1e-3);
+  ASSERT_TRUE(camera->expose(0.001));
+  EXPECT_NEAR(interval_s(), 0.1, 1e-3) << "starting the stream anew would take longer";
+  ASSERT_TRUE(camera->expose(0.4));
+  const Result<RawImage> image = camera->expose(0.001);
+  ASSERT_TRUE(image) << image.error().message();
+  EXPECT_EQ(wrong_photosites(*image, 0.001, 0, 0, 12), 0);
+  EXPECT_NEAR(interval_s(), own_s, 1e-3);
 }
 
 TEST_F(V4l2Camera, OneThatExposesLessThanItSaysIsRefused) {

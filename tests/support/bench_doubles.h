@@ -64,7 +64,7 @@ class StageDouble final : public Stage {
   }
   Result<Vec2> position() override {
     ++positions_read;
-    if (silent) return fail("no answer within 2 s", "stage", "check the cable");
+    if (silent) return fail("no answer within 5 s", "stage", "check the cable");
     return at;
   }
   void halt() override { ++halts; }
