@@ -87,6 +87,11 @@ Status V4l2Camera::start() {
   Result<V4l2Controls> controls = V4l2Controls::apply(node_, settings_);
   if (!controls) return tl::unexpected(controls.error());
   controls_.emplace(std::move(*controls));
+  if (picture_.is_bent && !controls_->have_gamma())
+    return node_.error("gives " + settings_.pixel_format +
+                           " through a transfer function that makes light no number, "
+                           "and has no gamma to be set to 1",
+                       "choose a raw format, which `lumifield devices` lists, or another camera");
   return start_stream();
 }
 

@@ -16,10 +16,10 @@ namespace lumifield {
 /// read-out more than its exposure, and a change of the exposure three frames.
 ///
 /// `exposure_s` goes in units of 100 µs. A camera whose frames follow each other faster than that is asked for a longer
-/// frame interval, later for its own again where that saves time, and refused when it keeps the pace, as it then exposes less than it says. Incomplete frames, and
-/// those that the driver lost while one was waited for, are counted; of incomplete ones in a row six are too many. When
-/// no frame comes within the time of one + 300 ms (2 s after the stream's start), the stream is started anew once. A
-/// camera that is gone stays so: destroy it and open it again.
+/// frame interval, later for its own again where that saves time, and refused when it keeps the pace, as it then
+/// exposes less than it says. Incomplete frames, and those that the driver lost while one was waited for, are counted;
+/// of incomplete ones in a row six are too many. When no frame comes within the time of one + 300 ms (2 s after the
+/// stream's start), the stream is started anew once. A camera that is gone stays so: destroy it and open it again.
 Result<std::unique_ptr<Camera>> open_v4l2_camera(const CameraSettings& settings);
 
 /// All of /dev/video* that capture pictures, with the formats that can be measured with. Nothing is changed in them.

@@ -127,6 +127,7 @@ tl::unexpected<Error> no_exposure_time(const V4l2Node& node) {
 Result<V4l2Controls> V4l2Controls::apply(const V4l2Node& node, const CameraSettings& settings) {
   V4l2Controls controls(node);
   if (Status off = switch_off(node); !off) return tl::unexpected(off.error());
+  controls.have_gamma_ = find(node, V4L2_CID_GAMMA).has_value();
   const auto exposure = find(node, V4L2_CID_EXPOSURE_ABSOLUTE);
   if (!exposure) return no_exposure_time(node);
   controls.shortest_ = exposure->minimum, controls.longest_ = exposure->maximum;

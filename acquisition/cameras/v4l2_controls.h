@@ -20,17 +20,19 @@ class V4l2Controls {
   /// Switches off, sets the gain, and reads all back. Errors: an automatic that stays on, a gamma that cannot be made
   /// 1, a gain out of range, no exposure in seconds.
   static Result<V4l2Controls> apply(const V4l2Node& node, const CameraSettings& settings);
+  /// apply() made its gamma 1; without such a control it may bend the response, or not.
+  bool have_gamma() const { return have_gamma_; }
   /// What would make apply() refuse a camera, as far as can be told without changing it; empty when nothing.
   static std::string shortcoming(const V4l2Node& node);
 
   /// Sets the exposure time, in whole units of 100 µs, and returns what the control then says. Errors: out of range.
   Result<double> set_exposure(double exposure_s) const;
-  /// The number of the gain control.
 
  private:
   explicit V4l2Controls(const V4l2Node& node) : node_(&node) {}
 
   const V4l2Node* node_;
+  bool have_gamma_ = false;
   int shortest_ = 0, longest_ = 0;  // units
 };
 

@@ -94,6 +94,17 @@ V4l2Formats v4l2_formats(const V4l2Node& node) {
   return formats;
 }
 
+namespace {
+
+bool is_bent(const v4l2_pix_format& pix, PixelPacking packing) {
+  const bool is_told = pix.priv == V4L2_PIX_FMT_PRIV_MAGIC && pix.xfer_func != V4L2_XFER_FUNC_DEFAULT;
+  if (is_told) return pix.xfer_func != V4L2_XFER_FUNC_NONE;
+  const bool is_luma = packing == PixelPacking::luma_first || packing == PixelPacking::luma_second;
+  return is_luma && pix.colorspace != V4L2_COLORSPACE_RAW;
+}
+
+}  // namespace
+
 Result<V4l2Picture> set_picture(const V4l2Node& node, const CameraSettings& settings) {
   const Result<V4l2PixelFormat> format = choose_format(node, settings.pixel_format);
   if (!format) return tl::unexpected(format.error());
@@ -127,8 +138,12 @@ Result<V4l2Picture> set_picture(const V4l2Node& node, const CameraSettings& sett
     return node.error("gives interlaced pictures: their halves are exposed at different times",
                       "use a camera with progressive scan");
   const std::size_t row = format->row_bytes(wanted.width_px);
-  const V4l2Picture picture{*format, wanted.width_px, wanted.height_px, std::max<std::size_t>(pix.bytesperline, row),
-                            set_frame_interval(node, 0)};
+  const V4l2Picture picture{*format,
+                            wanted.width_px,
+                            wanted.height_px,
+                            std::max<std::size_t>(pix.bytesperline, row),
+                            set_frame_interval(node, 0),
+                            is_bent(pix, format->packing)};
   if ((pix.bytesperline != 0 && pix.bytesperline < row) || pix.sizeimage < picture.bytes())
     return node.error(
         "announces frames of " + std::to_string(pix.sizeimage) + " bytes, rows of " + std::to_string(pix.bytesperline),

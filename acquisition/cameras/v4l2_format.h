@@ -15,6 +15,9 @@ struct V4l2Picture {
   int width_px = 0, height_px = 0;
   std::size_t stride = 0;       ///< bytes from one row to the next
   double frame_interval_s = 0;  ///< 0: the camera does not tell
+  /// By a transfer function that the driver names. Where it names none, luma is taken for bent, since it is made for
+  /// screens, and a sensor's own DN are not.
+  bool is_bent = false;
 
   /// All bytes that hold photosites.
   std::size_t bytes() const { return stride * static_cast<std::size_t>(height_px - 1) + format.row_bytes(width_px); }

@@ -83,7 +83,7 @@ struct V4l2Camera::Impl {
         sight(std::move(seen)),
         bits(camera.pixel_format == "Mono16" ? 16 : 12),
         device({camera.serial, formats_of(camera), camera.width_px, camera.height_px, camera.frame_interval_s,
-                camera.clips_exposure, camera.stubborn}) {}
+                camera.clips_exposure, camera.stubborn, camera.missing, camera.is_for_screens}) {}
 
   void run(std::stop_token stop) {
     auto begin = Clock::now();
@@ -111,7 +111,8 @@ struct V4l2Camera::Impl {
     const auto end = begin + duration(exposure.exposure_s);
     wait_until(end, settings.stream, stop);
     const bool moved = sight.stage_mm() != exposure.stage_mm;
-    held.push_back({exposure, set.front().at(V4L2_CID_GAMMA), moved, seconds(begin)});
+    const auto gamma = set.front().find(V4L2_CID_GAMMA);
+    held.push_back({exposure, gamma == set.front().end() ? 100 : gamma->second, moved, seconds(begin)});
     if (held.size() > static_cast<std::size_t>(options.late_frames)) {
       const Shot shot = held.front();
       held.pop_front();

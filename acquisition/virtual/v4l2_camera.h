@@ -23,6 +23,8 @@ struct V4l2CameraOptions {
   int damaged_every = 0, lost_every = 0;  ///< each so many frames
   std::set<std::uint32_t> formats;        ///< FourCC, these alone; empty: all
   std::set<std::uint32_t> stubborn;       ///< controls that do not take what they are set to
+  std::set<std::uint32_t> missing;        ///< controls that it does not have
+  bool is_for_screens = false;            ///< says that its pictures are in sRGB
 };
 
 /// A V4L2 camera on a file of this machine (FUSE), with controls for exposure (100 µs), gain (0.1 dB) and all that a

@@ -7,7 +7,9 @@
 
 namespace lumifield::virtual_bench {
 
-V4l2ControlPanel::V4l2ControlPanel(const std::set<std::uint32_t>& stubborn) : controls_(out_of_the_box()) {
+V4l2ControlPanel::V4l2ControlPanel(const std::set<std::uint32_t>& stubborn, const std::set<std::uint32_t>& missing)
+    : controls_(out_of_the_box()) {
+  std::erase_if(controls_, [&](const Control& control) { return missing.contains(control.id); });
   for (Control& control : controls_) control.is_stubborn = stubborn.contains(control.id);
 }
 

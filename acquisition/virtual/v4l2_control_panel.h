@@ -8,10 +8,10 @@
 namespace lumifield::virtual_bench {
 
 /// The controls of a V4L2 camera out of its box: all that acts by itself is on. Those named stubborn take what they are
-/// set to, and stay. Thread-bound.
+/// set to, and stay; those named missing are not there. Thread-bound.
 class V4l2ControlPanel {
  public:
-  explicit V4l2ControlPanel(const std::set<std::uint32_t>& stubborn);
+  V4l2ControlPanel(const std::set<std::uint32_t>& stubborn, const std::set<std::uint32_t>& missing);
 
   /// Answers QUERYCTRL, QUERY_EXT_CTRL, QUERYMENU, G_CTRL and S_CTRL: 0 or errno.
   int answer(std::uint32_t request, void* data);

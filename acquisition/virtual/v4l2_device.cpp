@@ -34,7 +34,7 @@ T cleared(const T& asked) {
 
 V4l2Device::V4l2Device(const Options& options)
     : options_(options),
-      controls_(options.stubborn),
+      controls_(options.stubborn, options.missing),
       fourcc_(options.formats.front().fourcc),
       frame_interval_s_(options.frame_interval_s) {}
 
@@ -153,7 +153,7 @@ void V4l2Device::set_format(void* data, bool apply) {
   pix.field = V4L2_FIELD_NONE;
   pix.bytesperline = static_cast<std::uint32_t>(packed_row_bytes(fourcc, options_.width_px));
   pix.sizeimage = pix.bytesperline * pix.height;
-  pix.colorspace = V4L2_COLORSPACE_RAW;
+  pix.colorspace = options_.is_for_screens ? V4L2_COLORSPACE_SRGB : V4L2_COLORSPACE_RAW;
 }
 
 void V4l2Device::describe(std::uint32_t index, void* data) const {

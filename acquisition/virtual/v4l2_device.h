@@ -38,7 +38,8 @@ class V4l2Device {
     int width_px = 0, height_px = 0;
     double frame_interval_s = 0;
     bool keeps_pace = false;  ///< whatever is asked of it
-    std::set<std::uint32_t> stubborn;
+    std::set<std::uint32_t> stubborn, missing;
+    bool is_for_screens = false;
   };
   explicit V4l2Device(const Options& options);
 

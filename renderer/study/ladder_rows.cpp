@@ -59,8 +59,8 @@ std::vector<FigureRow> equal_error_rows(const std::vector<StudyPoint>& points, c
 ErrorAtTime error_at(std::vector<StudyPoint> ladder, double time_ms) {
   // Of points that take as long the better one.
   std::ranges::sort(ladder, {}, [](const StudyPoint& p) { return std::pair(p.time_ms, p.rel_rmse); });
-  const auto same = std::ranges::unique(ladder, {}, &StudyPoint::time_ms);
-  ladder.erase(same.begin(), same.end());
+  const auto takes_as_long = [](const StudyPoint& a, const StudyPoint& b) { return a.time_ms == b.time_ms; };
+  ladder.erase(std::unique(ladder.begin(), ladder.end(), takes_as_long), ladder.end());
   if (ladder.size() < 2) return {std::nan(""), ""};
   const auto after = std::ranges::find_if(ladder.begin() + 1, ladder.end() - 1,
                                           [&](const StudyPoint& p) { return p.time_ms >= time_ms; });

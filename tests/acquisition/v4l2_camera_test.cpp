@@ -278,6 +278,21 @@ TEST_F(V4l2Camera, DamagedAndLostFramesAreCounted) {
   EXPECT_THAT(refusal(*camera, 0.001), HasSubstr("6 incomplete frames in a row"));
 }
 
+TEST_F(V4l2Camera, PicturesMadeForScreensAreNoMeasurement) {
+  V4l2CameraOptions options;
+  options.is_for_screens = true;
+  const auto said_of = [&](const char* format) {
+    V4l2Double double_(options);
+    CameraSettings settings = double_.settings();
+    settings.pixel_format = format;
+    return refusal(settings);
+  };
+  EXPECT_EQ(said_of("YUV422_8"), "opened") << "its gamma is made 1";
+  options.missing = {V4L2_CID_GAMMA};
+  EXPECT_THAT(said_of("YUV422_8"), HasSubstr("has no gamma to be set to 1"));
+  EXPECT_EQ(said_of("Mono12"), "opened") << "the sensor's own";
+}
+
 TEST_F(V4l2Camera, LongExposuresGetALongerFrameInterval) {
   V4l2Double double_;
   const auto camera = open(double_.settings());
