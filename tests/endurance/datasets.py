@@ -20,6 +20,13 @@ def journal(dataset):
     return [entry for line in lines if (entry := parsed(line))]
 
 
+def half_cells(dataset):
+    """The checksum of each file in `halves` that is what it says."""
+    files = {file.name: contents(file).partition(b"\n") for file in (dataset / "halves").glob("*.raw")}
+    return {name: sha256 for name, (sha256, _, rest) in files.items()
+            if hashlib.sha256(rest).hexdigest().encode() == sha256}
+
+
 def contents(file):
     try:
         return file.read_bytes()

@@ -11,7 +11,8 @@ import sys
 import tempfile
 import time
 
-from datasets import durable_cells, journal
+from datasets import durable_cells, half_cells, journal
+from scans import Row
 
 # Of the plan's twelve cells in serpentine order.
 in_mid_scan, cell_in_mid_scan = 5, "cells/r01_c01.1.exr.tmp"
@@ -121,24 +122,37 @@ def full_beneath(trials, undo):
                      repair)
 
 
+class PowerDisk:
+    """An ext4 with a new dataset's folder, whose power can be cut: it stops at once, and what was not flushed is gone."""
+
+    def __init__(self, trials, undo):
+        self.image = ext4_image(trials.folder / "power.image")
+        undo.callback(self.image.unlink)
+        self.folder = mount(undo, trials.folder / "power", "-o", "loop", self.image)
+        self.dataset = trials.new_dataset(self.folder)
+        run("sync", "-f", self.folder)
+
+    def cut(self):
+        shut_down, without_log = 0x8004587D, struct.pack("I", 2)  # EXT4_IOC_SHUTDOWN, EXT4_GOING_FLAGS_NOLOGFLUSH
+        folder = os.open(self.folder, os.O_RDONLY)
+        fcntl.ioctl(folder, shut_down, without_log)
+        os.close(folder)
+
+    def repair(self):
+        run("umount", self.folder)
+        run("mount", "-o", "loop", self.image, self.folder)  # replays the file system's own journal
+        run("umount", self.folder)
+        run("e2fsck", "-fn", self.image)
+        run("mount", "-o", "loop", self.image, self.folder)
+
+
 def power_cut(fault="power cut: ext4 shut down", unflushed=None):
-    """ext4 stops at once, and what was not flushed is gone. Flushing the files `unflushed`, all if empty, does nothing:
-    then cells must be lost, or nothing shows here that they would be."""
+    """Flushing the files `unflushed`, all if empty, does nothing: then cells must be lost, or nothing shows here that
+    they would be."""
 
     def trial(trials, undo):
-        image = ext4_image(trials.folder / "power.image")
-        undo.callback(image.unlink)
-        disk = mount(undo, trials.folder / "power", "-o", "loop", image)
-        dataset = trials.new_dataset(disk)
-        run("sync", "-f", disk)  # the dataset's folder
-
-        def repair():
-            run("umount", disk)
-            run("mount", "-o", "loop", image, disk)  # replays the file system's own journal
-            run("umount", disk)
-            run("e2fsck", "-fn", image)
-            run("mount", "-o", "loop", image, disk)
-
+        disk = PowerDisk(trials, undo)
+        dataset = disk.dataset
         must_lose = unflushed is not None
         under = traced([dataset / file for file in unflushed], "fsync", "retval=0") if must_lose else []
         with trials.bench() as bench:
@@ -146,11 +160,45 @@ def power_cut(fault="power cut: ext4 shut down", unflushed=None):
             scan.wait_for_cells(dataset, in_mid_scan)
             time.sleep(trials.random.uniform(0, trials.whole_s / 4))
             durable = durable_flushed(dataset)
-            shut_down, without_log = 0x8004587D, struct.pack("I", 2)  # EXT4_IOC_SHUTDOWN, EXT4_GOING_FLAGS_NOLOGFLUSH
-            folder = os.open(disk, os.O_RDONLY)
-            fcntl.ioctl(folder, shut_down, without_log)
-            os.close(folder)
-            return fails(trials, fault, scan, dataset, "Input/output error", bench, durable, repair, must_lose)
+            disk.cut()
+            return fails(trials, fault, scan, dataset, "Input/output error", bench, durable, disk.repair, must_lose)
+
+    return trial
+
+
+def power_cut_by_hand(fault="power cut amid a slide that was changed by hand", unflushed=False):
+    """The same for half cells: the scan goes on, and waits for the next slide with all of this one's."""
+
+    def trial(trials, undo):
+        disk = PowerDisk(trials, undo)
+        dataset = disk.dataset
+        with trials.bench("--change", "operator", "--size", "512x384") as bench:
+            scan = trials.scan(bench, dataset, *(traced([], "fsync", "retval=0") if unflushed else []))
+            while len(durable := half_cells(dataset)) <= in_mid_scan and scan.process.poll() is None:
+                time.sleep(0.005)
+            newest = max(durable, key=lambda name: (dataset / "halves" / name).stat().st_mtime_ns, default=None)
+            durable.pop(newest, None)  # its folder may not have been flushed yet
+            disk.cut()
+            start = time.monotonic()
+            wrong = scan.wrong_end(1, "Input/output error")
+            if wrong and trials.troubled(scan):
+                return False
+            ended_s, said = time.monotonic() - start, scan.said()
+            disk.repair()
+            lost = {name for name, sha256 in durable.items() if half_cells(dataset).get(name) != sha256}
+            if unflushed:
+                trials.keep(Row(fault, None, None, len(durable), len(lost), None, "", "", wrong, must_lose=True), dataset)
+                return True
+            start = time.monotonic()
+            scan = trials.scan(bench, dataset)
+            while (wrong_end := scan.wrong_end(3)) and trials.troubled(scan):
+                scan = trials.scan(bench, dataset)
+            resumed_s = time.monotonic() - start
+            cells = sum(name.startswith("r") for name in half_cells(dataset))
+            differs = "" if cells == len(all_cells) else f"{cells} half cells"
+            trials.keep(Row(fault, None, ended_s, len(durable), len(lost), resumed_s, differs, said, wrong or wrong_end),
+                        dataset)
+            return True
 
     return trial
 
@@ -212,17 +260,18 @@ strace = [("calls that fail or do nothing need strace", may_inject)]
 eio_on_flush = injected("EIO on fsync of a cell", cell_in_mid_scan, "fsync", "1+")
 all_faults = [
     (mounts, full), (mounts, read_only), (loops, power_cut()), (loops, power_cut()), (loops, power_cut()),
-    (strace, injected("EIO on write of a cell", cell_in_mid_scan, "write", "1+")), (strace, eio_on_flush),
+    (loops, power_cut_by_hand()), (strace, injected("EIO on write of a cell", cell_in_mid_scan, "write", "1+")), (strace, eio_on_flush),
     (loops, full_beneath), (strace, injected("EIO on write of the journal", "journal.jsonl", "write", "5+")),
     (strace, injected("EIO on fsync of the journal", "journal.jsonl", "fsync", "5+")),
     (strace, injected("EIO on write of the manifest, closing", "luminaire.json.tmp", "write", "1+", half_a_scan)),
     (strace, injected("EIO on fsync of the manifest, closing", "luminaire.json.tmp", "fsync", "1+", half_a_scan))]
 short_faults = [(mounts, full), (mounts, read_only), (strace, eio_on_flush)]
 
-cells = [f"cells/r{row:02}_c{column:02}.1.exr.tmp" for row in range(3) for column in range(4)]
-unflushed_faults = [(loops, power_cut()), (loops + strace, power_cut("cells never flushed", cells)),
+all_cells = [f"cells/r{row:02}_c{column:02}.1.exr.tmp" for row in range(3) for column in range(4)]
+unflushed_faults = [(loops, power_cut()), (loops + strace, power_cut("cells never flushed", all_cells)),
                     (loops + strace, power_cut("journal never flushed", ["journal.jsonl"])),
-                    (loops + strace, power_cut("nothing ever flushed", []))]
+                    (loops + strace, power_cut("nothing ever flushed", [])), (loops, power_cut_by_hand()),
+                    (loops + strace, power_cut_by_hand("half cells never flushed", unflushed=True))]
 
 
 def faults(which):

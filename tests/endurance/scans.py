@@ -16,9 +16,9 @@ patience_s = 180  # for one scan, on a machine that is busy
 class Bench:
     """The virtual bench while it runs, in a process group of its own; `file` is its bench file."""
 
-    def __init__(self, build, folder):
+    def __init__(self, build, folder, *options):
         command = [build / "lumifield-bench", "--seed", "5", "--filter", "bell:24:2", "--stage-speed", "5000",
-                   "--stage-acceleration", "100000", "--", "sh", "-c", 'echo "$LUMIFIELD_BENCH"; exec cat >/dev/null']
+                   "--stage-acceleration", "100000", *options, "--", "sh", "-c", 'echo "$LUMIFIELD_BENCH"; exec cat >/dev/null']
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
                                         process_group=0, env={**os.environ, "TMPDIR": str(folder)})
         self.file = self.process.stdout.readline().strip()
@@ -119,8 +119,8 @@ class Trials:
         while not self.measure_whole():
             pass
 
-    def bench(self):
-        return Bench(self.build, self.folder)
+    def bench(self, *options):
+        return Bench(self.build, self.folder, *options)
 
     def new_dataset(self, disk=None):
         self.datasets += 1
