@@ -147,7 +147,7 @@ Status check_dark_exposures(const RawPass& pass, const DarkModel& dark) {
   for (const RawImage& frame : pass.bracket)
     if (!dark.match(frame))
       return fail(
-          "no dark exposure of " + std::to_string(frame.exposure_s) + " s at " + std::to_string(frame.gain) + " dB",
+          "no dark exposure of " + std::to_string(frame.exposure_s) + " s at a gain of " + std::to_string(frame.gain),
           "dark set of block " + std::to_string(dark.set()->block), "take the dark set with the exposures of the plan");
   return {};
 }

@@ -66,13 +66,15 @@ Vec2 reference_target_mm(const Bench& bench, const Plan& plan, int pass = 0);
 /// operator changes the pass, `pass` alone.
 CellStep make_cell_step(const Bench& bench, const Plan& plan, CellIndex cell, const Vec2& from_mm, int pass = 0);
 
+/// Cells by pass.
+using PassCells = std::vector<std::set<CellIndex>>;
+
 /// Refuses, with the number needed: a target outside the limits; filters or opaque patch closer than half the grid +
 /// half the lamp + half the dual window (another filter would stand before the lamp; filters of different slides may
-/// stand anywhere); a grid without some cell whose
-/// dual window touches the lamp; scales that are not the dual's within 1 %; a reference cell outside the grid;
-/// exposures outside (0, 10 s] or not ascending, exposure limits outside or that do not hold them; a singular stage
-/// frame. Cells in `done` are left out, those in `taken[p]` out of pass p where the operator changes it.
-using PassCells = std::vector<std::set<CellIndex>>;
+/// stand anywhere); a grid without some cell whose dual window touches the lamp; scales that are not the dual's within
+/// 1 %; a reference cell outside the grid; exposures outside (0, 10 s] or not ascending, exposure limits outside or
+/// that do not hold them; a singular stage frame. Cells in `done` are left out, those in `taken[p]` out of pass p where
+/// the operator changes it.
 Result<ScanPlan> make_scan_plan(const Bench& bench, const Plan& plan, const std::set<CellIndex>& done = {},
                                 const PassCells& taken = {});
 
