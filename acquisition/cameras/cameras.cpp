@@ -11,12 +11,16 @@ struct CameraKind {
   Result<std::unique_ptr<Camera>> (*open)(const CameraSettings&);
   std::vector<DeviceReport> (*find)();
   DeviceReport (*probe)(const CameraSettings&);
+  std::string_view when_frames_break;  ///< what to do
 };
 
 // A new kind is a file beside this one and a line here.
 constexpr CameraKind kinds[] = {
-    {"aravis", open_aravis_camera, find_aravis_cameras, probe_aravis_camera},
-    {"v4l2", open_v4l2_camera, find_v4l2_cameras, probe_v4l2_camera},
+    {"aravis", open_aravis_camera, find_aravis_cameras, probe_aravis_camera,
+     "let sockets hold a frame (net.core.rmem_max, see docs/endurance.md), give the camera a network card of its own, or "
+     "make packet_bytes smaller"},
+    {"v4l2", open_v4l2_camera, find_v4l2_cameras, probe_v4l2_camera,
+     "take other devices off its bus, take another cable or port, or choose a smaller picture"},
 };
 
 Result<CameraKind> kind_of(const CameraSettings& settings) {
@@ -40,6 +44,27 @@ DeviceReport probe_camera(const CameraSettings& settings) {
   const Result<CameraKind> kind = kind_of(settings);
   if (!kind) return {"camera", {}, settings.address, false, kind.error().what, kind.error().remedy};
   return kind->probe(settings);
+}
+
+DeviceReport try_camera(const CameraSettings& settings, int frames) {
+  constexpr double exposure_s = 0.001;
+  const auto unusable = [&](const Error& error) {
+    return DeviceReport{"camera", {}, settings.address, false, error.what, error.remedy};
+  };
+  const Result<CameraKind> kind = kind_of(settings);
+  if (!kind) return unusable(kind.error());
+  const auto camera = kind->open(settings);
+  if (!camera) return unusable(camera.error());
+  for (int k = 0; k < frames; ++k)
+    if (const auto image = (*camera)->expose(exposure_s); !image) return unusable(image.error());
+  const CameraInfo& info = (*camera)->info();
+  DeviceReport report{"camera", info.vendor + " " + info.model + " " + info.serial, settings.address, true, {}, {}};
+  const int broken = (*camera)->frames_retaken();
+  if (broken == 0) return report;
+  report.reason = std::to_string(broken) + " of " + std::to_string(frames + broken) +
+                  " frames came broken, so that packets are lost; they are taken again";
+  report.remedy = kind->when_frames_break;
+  return report;
 }
 
 std::vector<DeviceReport> find_cameras() {

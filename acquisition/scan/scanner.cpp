@@ -47,7 +47,9 @@ Status Scanner::run(const ScanPlan& steps, ScanSink& sink, std::stop_token stop,
 Status Scanner::scan(const ScanPlan& steps) {
   if (steps.steps.empty()) return {};
   if (bench_.stage.home)
-    if (Status status = persist([this] { return home(); }); !status) return status;
+    // The operator's word after a trouble homes it, too.
+    if (Status status = persist([this] { return state_ == ScanState::homing ? Status{} : home(); }); !status)
+      return status;
   first_step_s_ = clock_.now_s();
   go_back_ = false;
   for (std::size_t next = 0;;) {

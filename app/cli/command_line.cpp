@@ -290,6 +290,8 @@ void add_devices(CLI::App& app, DevicesOptions& o) {
       app.add_subcommand("devices", "List cameras, stages, OpenCL and OpenGL; for each not usable, why");
   devices->add_option("--bench", o.bench, "Bench file whose camera and stage are tried too")
       ->envname("LUMIFIELD_BENCH");
+  devices->add_option("--frames", o.frames, "Take so many frames with the bench's camera, and tell of broken ones")
+      ->check(CLI::Range(0, 100'000));
   devices->add_option("--stage", o.stage_path, "Serial port to try as well");
   devices->add_flag("--json", o.json, "Print the list as one JSON object");
 }

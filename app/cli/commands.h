@@ -63,6 +63,7 @@ int run_check(const CheckOptions& options);
 
 struct DevicesOptions {
   std::string bench, stage_path;
+  int frames = 0;  ///< to take with the bench's camera
   bool json = false;
 };
 int run_devices(const DevicesOptions& options);

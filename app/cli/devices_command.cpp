@@ -32,7 +32,7 @@ void name_by_bench(std::vector<Found>& found, DeviceReport device, const std::st
   if (at == found.end())
     found.push_back({std::move(device), bench});
   else
-    at->bench = bench;
+    at->bench = bench, at->device.reason = device.reason, at->device.remedy = device.remedy;
 }
 
 DeviceReport none(const std::string& role) {
@@ -54,7 +54,10 @@ std::vector<Found> find_devices(const DevicesOptions& options) {
   }
   const bool named = bench && *bench;
   for (DeviceReport& camera : find_cameras()) found.push_back({std::move(camera), ""});
-  if (named) name_by_bench(found, probe_camera((*bench)->camera), options.bench);
+  if (named) {
+    const CameraSettings& camera = (*bench)->camera;
+    name_by_bench(found, options.frames > 0 ? try_camera(camera, options.frames) : probe_camera(camera), options.bench);
+  }
   for (DeviceReport& stage : find_stages(options.stage_path)) found.push_back({std::move(stage), ""});
   if (named) name_by_bench(found, probe_stage((*bench)->stage), options.bench);
   for (const char* role : {"camera", "stage"})
@@ -68,7 +71,7 @@ void print(const Found& found) {
   const std::string place = d.name.empty() || d.address.empty() ? d.address : " at " + d.address;
   std::printf("%-7s %-11s %s%s%s\n", d.role.c_str(), d.usable ? "usable" : "not usable", d.name.c_str(), place.c_str(),
               found.bench.empty() ? "" : (" (named in " + found.bench + ")").c_str());
-  if (!d.usable) std::printf("%20s%s; %s\n", "", d.reason.c_str(), d.remedy.c_str());
+  if (!d.reason.empty()) std::printf("%20s%s; %s\n", "", d.reason.c_str(), d.remedy.c_str());
 }
 
 }  // namespace

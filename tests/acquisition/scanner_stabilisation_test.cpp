@@ -22,11 +22,6 @@ class ScannerStabilisation : public ScannerTest {
       if (p.stabilisation && p.state == ScanState::stabilising) told.push_back(p);
     };
   }
-  void TearDown() override {
-    const std::vector<ScanState> states = sink.states();
-    for (std::size_t k = 1; k < states.size(); ++k)
-      EXPECT_TRUE(can_follow(states[k - 1], states[k])) << to_string(states[k - 1]) << " → " << to_string(states[k]);
-  }
   double light(double at_s) const { return 1 + excess * std::exp(-at_s / 60) + drift_per_s * at_s; }
 
   ScanControl control;

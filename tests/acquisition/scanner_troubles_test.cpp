@@ -161,6 +161,7 @@ TEST_F(ScannerTroubles, HomingThatFailsPausesBeforeAnythingMoves) {
   };
   ASSERT_TRUE(run());
   EXPECT_EQ(troubles.size(), 1U);
+  EXPECT_EQ(stage.homings, 2) << "the one that failed, and one";
   EXPECT_EQ(sink.cells.size(), 6U);
 }
 

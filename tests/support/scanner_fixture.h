@@ -51,6 +51,13 @@ class ScannerTest : public ::testing::Test {
     camera.signal_dn_per_s = [this](const Vec2& at) { return at.y() > 45 ? 0.0 : lamp_dn_per_s; };
   }
 
+  void TearDown() override {
+    const std::vector<ScanState> states = sink.states();
+    for (std::size_t k = 1; k < states.size(); ++k)
+      EXPECT_TRUE(is_final(states[k - 1]) || can_follow(states[k - 1], states[k]))
+          << to_string(states[k - 1]) << " → " << to_string(states[k]);
+  }
+
   /// Leaves out all but one cell.
   static std::set<CellIndex> all_but(CellIndex kept) {
     std::set<CellIndex> done;
