@@ -62,7 +62,7 @@ TEST(Rehearsal, TakesThePassWhoseSlideIsIn) {
   EXPECT_NEAR(told->brightest_share, (64 + 1600) / 4000.0, 1e-3);
   EXPECT_EQ(told->scan.cells, 6);
   // Half cells wait on the disk, three exposures each.
-  EXPECT_EQ(told->scan.bytes, 6 * 24 * 18 * 8 + 6 * 3 * width * height * 2);
+  EXPECT_EQ(told->scan.bytes, 6 * 24 * 18 * 8 + (6 + 1) * 3 * width * height * 2);
 }
 
 TEST(Rehearsal, TellsADeviceThatFails) {
