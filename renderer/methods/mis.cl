@@ -38,6 +38,7 @@ typedef struct {
   int shines, gloss;  // whether there is a glossy lobe; lobe samples are its
   int count;          // N
   int filter;
+  int split;              // lobe samples alone make gloss, and light samples alone what is diffuse
   double per_area;        // of q_m on U: by importance, 1/mm²
   double2 low, high;      // the lamp's part of U
   double even;            // K_L over its area
@@ -81,13 +82,16 @@ INLINE double on_lamp(const Mixture* m, double2 u, double width) {
   return part.x * part.y / (width * width);
 }
 
+INLINE double lobe_width(const Lobe* l) {
+  return l->kind == LOBE_NONE ? 1 : fmin(l->kind == LOBE_PHONG ? 1 / sqrt(l->shape) : 2 * l->shape, 1.0);
+}
+
 // Of the square by which a lobe is told.
 INLINE double lamp_shown(const Mixture* m, const Lobe* l) {
   if (!(l->axis.z < 0)) return 0;
   const double length = m->view->at.p_z / -l->axis.z;
   const double2 u = (double2)(m->view->at.p_x, m->view->at.p_y) + length * l->axis.xy;
-  const double width = l->kind == LOBE_NONE ? 1 : fmin(l->kind == LOBE_PHONG ? 1 / sqrt(l->shape) : 2 * l->shape, 1.0);
-  return on_lamp(m, u, MIS_REACH * width * length / sqrt(-l->axis.z)) ;
+  return on_lamp(m, u, MIS_REACH * lobe_width(l) * length / sqrt(-l->axis.z)) ;
 }
 
 INLINE double footprint(const Ray* ray) { return fmin(sqrt(ray->area / ray->lobes), 0.5 * ray->length); }
@@ -155,6 +159,28 @@ INLINE Ray ray_of(const Mixture* m, const LobeDraw* draw) {
   return ray;
 }
 
+// Of a split receiver: they alone make its gloss.
+INLINE void add_gloss_samples(const Mixture* m, int points, __global const LobePoint* table, double* sum) {
+#if LOBES > 0
+  const uint first = first_lobe_point(m->g, points, 2, (uint)m->id);
+  const double2 turn = lobe_turn(m->g, 2, (uint)m->id);
+  const SamplingReceiver at = m->view->at;
+  for (int k = 0; k < m->count; ++k) {
+    const uint i = first + (uint)k;
+    const LobeDraw draw = lobe_draw(&m->glossy, turned(table[i < (uint)points ? i : i % (uint)points], turn));
+    if (!(draw.direction.z < 0) || !(dot(m->glossy.n, draw.direction) > 0)) continue;
+    const double length = at.p_z / -draw.direction.z;
+    const double2 u = (double2)(at.p_x, at.p_y) + length * draw.direction.xy;
+    const double width = fmin(length / sqrt(-draw.direction.z * m->count * draw.pdf), 0.5 * length);
+    float light[CHANNELS];
+    ray_light(m->g, m->rays, m->view, m->slots, m->levels, m->images, m->looks, m->bits, m->id, u, width, light);
+    const float weight[3] = {draw.weight.x, draw.weight.y, draw.weight.z};
+    for (int c = 0; c < GLOSSES; ++c)
+      sum[CHANNELS + c] += weight[LOBES == 1 ? 0 : c] * light[CHANNELS == 1 ? 0 : c] / m->count;
+  }
+#endif
+}
+
 INLINE void add_lobe_samples(const Mixture* m, int points, __global const LobePoint* table, double* sum) {
   const Lobe* lobe = m->gloss ? &m->glossy : &m->dull;
   const uint first = first_lobe_point(m->g, points, m->gloss ? 2 : 1, (uint)m->id);
@@ -203,6 +229,10 @@ INLINE void add_light_samples(const Mixture* m, const SamplingCell* cell, const 
     if (draw.pixel < 0) continue;
     const double2 u = (double2)(cell->u_x, cell->u_y) + (double2)(g->spacing_x, g->spacing_y) * draw.tau;
     float weight = light_weight(g, m->view, height, m->on_u, image, &sight, &draw);
+    if (m->split) {
+      for (int c = 0; c < CHANNELS; ++c) sum[c] += weight * image[draw.pixel + c * g->plane];
+      continue;
+    }
     if (m->count > 0 && weight > 0) weight *= light_share(m, u, m->on_u ? mean : importance_at(g, image, draw.pixel));
     add_light(sum, weight, image + draw.pixel, g->plane, lobe, &m->view->at, u);
   }
@@ -259,7 +289,8 @@ __kernel void mis(const SamplingGeometry geometry, const RayGeometry rays, const
               : lamp_shown(&mix, &mix.dull) >= MIS_SHOWS ? shares.diffuse
                                                               : 0;
   mix.filter = mix.gloss && rays.filter;
-  const double samples = narrow ? shares.light_beside : shares.light;
+  mix.split = narrow && mix.filter && lobe_width(&mix.glossy) <= MIS_SPLITS;
+  const double samples = mix.split ? shares.light_apart : narrow ? shares.light_beside : shares.light;
   mix.per_area = samples / all * (on_u ? 1 : rates) / (spacing.x * spacing.y);
   mix.even = samples / MIS_WORTH / ((mix.high.x - mix.low.x) * (mix.high.y - mix.low.y));
 
@@ -285,8 +316,11 @@ __kernel void mis(const SamplingGeometry geometry, const RayGeometry rays, const
     const double scale = view.factor * (on_u ? 4 * HALF * HALF : a / rates) / kappa;
     for (int c = 0; c < VALUES; ++c) sum[c] += scale * part[c];
   }
-  add_lobe_samples(&mix, narrow ? shares.narrow_points : mix.gloss ? shares.wide_points : shares.diffuse_points,
-                   narrow ? narrow_points : mix.gloss ? wide_points : diffuse_points, sum);
+  if (mix.split)
+    add_gloss_samples(&mix, shares.narrow_points, narrow_points, sum);
+  else
+    add_lobe_samples(&mix, narrow ? shares.narrow_points : mix.gloss ? shares.wide_points : shares.diffuse_points,
+                     narrow ? narrow_points : mix.gloss ? wide_points : diffuse_points, sum);
   keep_values(sum, 1, id, sums, gloss);
 }
 

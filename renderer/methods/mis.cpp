@@ -12,7 +12,7 @@ namespace lumifield {
 
 MisCounts mis_counts(double samples) {
   const auto whole = [&](double share) { return static_cast<int>(std::min(share * samples, most_samples)); };
-  return {samples, samples / 2, whole(0.5), whole(1), whole(4)};
+  return {samples, samples / 2, samples * 7 / 8, whole(0.5), whole(1), whole(4)};
 }
 
 /// What all samples of a receiver have in common.
@@ -32,7 +32,8 @@ class Mis::Mixture {
     count = narrow ? counts.narrow : gloss ? counts.wide : lamp_shown(diffuse) >= MIS_SHOWS ? counts.diffuse : 0;
     points = narrow ? &mis.narrow_ : gloss ? &mis.wide_ : &mis.diffuse_;
     filtered = gloss && mis.settings_.filter;
-    const double n_light = narrow ? counts.light_beside : counts.light;
+    split = narrow && filtered && glossy.width() <= MIS_SPLITS;
+    const double n_light = split ? counts.light_apart : narrow ? counts.light_beside : counts.light;
     balance = mis.lights_.balance(view, n_light);
     const double all = std::accumulate(balance.a.begin(), balance.a.end(), 0.0);
     per_area_ = all > 0 ? n_light / all / s.spacing_mm.prod() : 0;
@@ -95,14 +96,21 @@ class Mis::Mixture {
   template <class Visit>
   void over_lobe_sample(const Ray& ray, const Visit& visit) const {
     if (filtered) {
-      const double weight = 1 / (even(ray) + ray.lobes);
-      over_values(ray, mis_.rays_.radiance(view, ray.u, footprint(ray)),
-                  [&](std::size_t k, double value) { visit(k, weight * value); });
+      const double weight = 1 / ((split ? 0 : even(ray)) + ray.lobes);
+      over_values(ray, mis_.rays_.radiance(view, ray.u, footprint(ray)), [&](std::size_t k, double value) {
+        if (!split || is_gloss(k)) visit(k, weight * value);
+      });
       return;
     }
     over_cells(ray, [&](double q, const std::vector<double>& values) {
       for (std::size_t k = 0; k < values.size(); ++k) visit(k, values[k] / (q + ray.lobes));
     });
+  }
+  bool is_gloss(std::size_t value) const { return value >= view.geometry().channels.size(); }
+  /// What a light sample counts for, of one of the receiver's values.
+  double light_share(const Ray& ray, double q, std::size_t value) const {
+    if (split) return is_gloss(value) ? 0 : 1;
+    return ray.lobes > 0 ? q / (q + ray.lobes) : 1;
   }
   /// Of the lobe samples.
   const LobeDistribution& lobe() const { return gloss ? glossy : diffuse; }
@@ -110,6 +118,7 @@ class Mis::Mixture {
   const ReceiverView& view;
   LobeDistribution diffuse, glossy;
   bool gloss, filtered;                  ///< lobe samples are of the glossy lobe; and averaged
+  bool split;                            ///< they alone make gloss, and light samples alone what is diffuse
   int count;                             ///< N
   const std::vector<LobePoint>* points;  ///< of them
   LightSamples::Balance balance{};
@@ -166,10 +175,13 @@ void Mis::add_light_samples(const Mixture& mix, std::uint32_t number, std::vecto
     lights_.over_draws(mix.view, number, cell, on_u, counts[m], [&](const Vec2& tau, int i, int j) {
       const Mixture::Ray ray = mix.ray(cell.u_mm + spacing.cwiseProduct(tau));
       const double importance = cell.importance.value(i, j), q = mix.weighed_light(ray, cell, importance);
-      const double share = ray.lobes > 0 ? q / (q + ray.lobes) : 1;
+      const double share = mix.light_share(ray, q, 0);
       add_sample(mix.view, cell, tau, i, j, share * (on_u ? scale * importance : scale), values);
     });
   }
+  if (mix.split)
+    for (std::size_t k = 0; k < values.size(); ++k)
+      if (mix.is_gloss(k)) values[k] = 0;
 }
 
 void Mis::add_lobe_samples(const Mixture& mix, std::uint32_t number, std::vector<double>& values) const {
@@ -207,7 +219,8 @@ Mis::Weights Mis::weights(const Receiver& receiver, const Look& look, CellIndex 
     for (const double c : part.value) importance += std::abs(c);
     if (part.number != number || !(importance > 0)) return;
     const double q = mix.weighed_light(ray, this->cell(number), importance);
-    weights = {q / (q + ray.lobes), ray.lobes / (q + ray.lobes)};
+    const double light = mix.light_share(ray, q, view.values() - 1);
+    weights = {light, 1 - light};
   });
   return weights;
 }
@@ -247,8 +260,8 @@ std::vector<double> Mis::stated(const Mixture& mix) const {
     const double even = mix.filtered && ray.lobes > 0 ? mix.even(ray) : 1;
     std::ranges::fill(together, 0.0);
     mix.over_cells(ray, [&](double q, const std::vector<double>& of_cell) {
-      const double share = mix.filtered ? even / (even + ray.lobes) : q / (q + ray.lobes);
       for (std::size_t k = 0; k < values; ++k) {
+        const double share = mix.light_share(ray, mix.filtered ? even : q, k);
         sums.all[k] += solid_angle * of_cell[k];
         sums.mean[k] += solid_angle * share * of_cell[k];
         sums.squares[k] += solid_angle * share * share * of_cell[k] * of_cell[k] / q;

@@ -11,13 +11,13 @@
 
 namespace lumifield {
 
-/// Samples of a receiver by K: K_L of the light, or `light_beside` many lobe samples; N of its diffuse lobe, or of a
-/// glossy one that is wide or narrow beside the lamp.
+/// Samples of a receiver by K: K_L of the light, or `light_beside` many lobe samples, or `light_apart` from them; N of
+/// its diffuse lobe, or of a glossy one that is wide or narrow beside the lamp.
 struct MisCounts {
-  double light, light_beside;
+  double light, light_beside, light_apart;
   int diffuse, wide, narrow;
 };
-/// K; K/2; K/2; K; 4 K.
+/// K; K/2, 7/8 K; K/2; K; 4 K.
 MisCounts mis_counts(double samples);
 
 /// Multiple importance sampling (Veach, Guibas 1995) of PositionDependent's light samples with FilteredBrdf's lobe
@@ -42,13 +42,15 @@ MisCounts mis_counts(double samples);
 /// that no pilot biases it: K_L = K where lobes show little of the lamp (mis_shared.h), since there light samples are
 /// the better of the two for gloss too, and lobe samples time lost; of a glossy lobe that shows it N = K, or where it
 /// is narrow 4 K beside K/2, since there its light outshines what is diffuse and lobe samples are far better; else of
-/// the diffuse one K/2, which is near the lamp. (Diffuse lobe samples beside narrow ones as a third kind: 0.87 to 1.09 of
-/// the error in equal time, so not kept.)
+/// the diffuse one K/2, which is near the lamp. (Diffuse lobe samples beside narrow ones as a third kind: 0.87 to 1.09
+/// of the error in equal time, so not kept.)
 ///
 /// Filtered, a glossy lobe's samples stand for the footprint of Ω = 1/b and look up the average L̄ (RayLight). A weight
 /// that changed within a footprint would count what is averaged twice, or not at all: q_m is then, in the weights of
 /// both kinds, the light's density as if even over the lamp's part of U, averaged over the footprint too, and an eighth
 /// of it, since an average is worth more than a ray. The bias is the filter's alone, and less than FilteredBrdf's.
+/// Of a lobe that is narrower still (MIS_SPLITS) averages err so little that light samples of its gloss only add noise,
+/// and so do its rays to what is diffuse: each kind then makes one of the two by itself, and nothing is weighed.
 class Mis final : public HostMethod {
  public:
   /// counts: other lobe samples than mis_counts gives.
@@ -60,7 +62,8 @@ class Mis final : public HostMethod {
   /// from ∫ L f n·ω dω, from 16 N and more points of the same density.
   Result<Estimate> estimate(const Receiver& receiver, std::uint32_t number, const Look& look) const override;
 
-  /// What a receiver's samples of cell C Φ at u on U are weighed by, of each kind; 0 where no light is seen.
+  /// What a receiver's samples of cell C Φ at u on U are weighed by, of each kind, for its last value; 0 where no light
+  /// is seen.
   struct Weights {
     double light, lobes;
   };

@@ -44,7 +44,8 @@ Status MisDevice::make_points() {
   const PointSet set(settings_.sequence, settings_.samples, settings_.seed);
   shared_.points = static_cast<int>(set.points().size());
   const MisCounts counts = mis_counts(settings_.samples);
-  shares_ = {counts.light, counts.light_beside, counts.diffuse, counts.wide, counts.narrow, 0, 0, 0};
+  shares_ = {
+      counts.light, counts.light_beside, counts.light_apart, counts.diffuse, counts.wide, counts.narrow, 0, 0, 0};
   if (Status done = device_->fill(points_, set.points(), "points"); !done) return done;
   const auto fill = [&](DeviceBuffer& buffer, int n, LobeDraws kind, int& table) {
     const std::vector<LobePoint> points = lobe_points(settings_.sequence, n, settings_.seed, kind);
@@ -61,7 +62,7 @@ double MisDevice::rays_of_a_receiver() const {
   const MisCounts counts = mis_counts(settings_.samples);
   const double diffuse = counts.light + counts.diffuse;
   if (gloss_channels() == 0) return diffuse;
-  return std::max({diffuse, counts.light + counts.wide, counts.light_beside + counts.narrow});
+  return std::max({diffuse, counts.light + counts.wide, counts.light_apart + counts.narrow});
 }
 
 unsigned MisDevice::set_arguments(DeviceKernel& kernel) {

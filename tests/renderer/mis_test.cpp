@@ -100,6 +100,22 @@ TEST(Mis, FilteredWeightsAreOneTogetherAndChangeSlowly) {
   }
 }
 
+TEST(Mis, OfAVeryNarrowLobeEachKindMakesOnePart) {
+  const LightField field = sampled_luminaire();
+  const Look look = shining(beyond.receiver, LOBE_GGX, 0.01F);
+  const auto values = [&](Method method, double samples) {
+    return make_host_method(field, {.method = method, .samples = samples})
+        .value()
+        ->light(beyond.receiver, 3, look)
+        .value();
+  };
+  const std::vector<double> mis = values(Method::mis, 80);
+  EXPECT_EQ(mis[0], values(Method::position_dependent, 70)[0]);
+  const double lobes = values(Method::filtered_brdf, 320)[1];
+  EXPECT_GT(lobes, 0);
+  EXPECT_NEAR(mis[1], lobes, 1e-12 * lobes);
+}
+
 TEST(Mis, IsPositionDependentWhereNoLobeShowsTheLamp) {
   const LightField field = sampled_luminaire();
   const Case far{"far away", {{100, -80, 900}, towards}};
@@ -124,7 +140,7 @@ TEST(Mis, IsLobeSamplesWhereThereAreNoneOfTheLight) {
     for (const Case& c : {beyond, near_s, between}) {
       const Look look = shining(c.receiver, LOBE_GGX, 0.04F);
       const MethodSettings settings{.method = Method::mis, .samples = 40, .filter = filter};
-      const double mis = Mis(field, settings, MisCounts{0, 0, 40, 40, 40}).light(c.receiver, 3, look).value()[1];
+      const double mis = Mis(field, settings, MisCounts{0, 0, 0, 40, 40, 40}).light(c.receiver, 3, look).value()[1];
       const double lobes = FilteredBrdf(field, settings).light(c.receiver, 3, look).value()[1];
       EXPECT_GT(lobes, 0) << c.name;
       EXPECT_NEAR(mis, lobes, 1e-12 * lobes) << c.name;
