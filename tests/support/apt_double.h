@@ -1,0 +1,73 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "acquisition/stage.h"
+#include "acquisition/virtual/apt_controller.h"
+#include "luminaire/bench.h"
+
+namespace lumifield {
+
+/// Virtual APT controllers on this program's own USB bus.
+class AptDouble {
+ public:
+  using Kind = virtual_bench::AptOptions::Kind;
+
+  static bool can_run() { return virtual_bench::UsbBus::is_preloaded(); }
+  static constexpr const char* why_not = "the program could not be started before umockdev's library: install umockdev";
+
+  explicit AptDouble(virtual_bench::AptOptions options = {}) : options_(options) {
+    auto started = virtual_bench::AptController::start(bus(), options, [this](const Vec2& at) {
+      const std::scoped_lock lock(mutex_);
+      prepared_.push_back(at);
+    });
+    EXPECT_TRUE(started) << started.error().message();
+    server_ = std::move(*started);
+  }
+
+  static virtual_bench::UsbBus& bus() {
+    static const Result<std::unique_ptr<virtual_bench::UsbBus>> bus = virtual_bench::UsbBus::create();
+    EXPECT_TRUE(bus) << bus.error().message();
+    return **bus;
+  }
+  virtual_bench::AptController& server() { return *server_; }
+  std::vector<Vec2> prepared() const {
+    const std::scoped_lock lock(mutex_);
+    return prepared_;
+  }
+
+  StageSettings settings() const {
+    StageSettings settings;
+    settings.kind = "apt";
+    settings.apt.serials = server_->serials();
+    settings.apt.controller = options_.kind == Kind::pair ? "kdc101" : "bsc20x";
+    settings.apt.counts_per_mm = Vec2::Constant(server_->counts_per_mm());
+    settings.apt.travel_mm = options_.travel_mm;
+    return settings;
+  }
+  std::unique_ptr<Stage> open() const { return open(settings()); }
+  std::unique_ptr<Stage> open(const StageSettings& settings) const {
+    auto stage = open_stage(settings);
+    EXPECT_TRUE(stage) << stage.error().message();
+    return stage ? std::move(*stage) : nullptr;
+  }
+  std::unique_ptr<Stage> open_homed() const {
+    auto stage = open();
+    if (!stage) return nullptr;
+    const Status homed = stage->home();
+    EXPECT_TRUE(homed) << homed.error().message();
+    return stage;
+  }
+
+ private:
+  virtual_bench::AptOptions options_;
+  mutable std::mutex mutex_;
+  std::vector<Vec2> prepared_;
+  std::unique_ptr<virtual_bench::AptController> server_;
+};
+
+}  // namespace lumifield
