@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <random>
 
 namespace lumifield {
 namespace {
@@ -83,6 +84,32 @@ TEST(AptReader, DropsWhatCannotBeginAMessage) {
   EXPECT_EQ(message->id, AptId::homed);
   EXPECT_EQ(reader.bytes_dropped(), 3u);
   EXPECT_FALSE(reader.next());
+}
+
+TEST(AptReader, TakesAnything) {
+  std::mt19937 random(1);
+  AptReader reader;
+  std::size_t given = 0, taken = 0;
+  for (int part = 0; part < 5000; ++part) {
+    Bytes bytes(random() % 40);
+    for (std::uint8_t& byte : bytes) byte = std::uint8_t(random());
+    // Every other part looks like a message up to its data.
+    if (part % 2 == 0 && bytes.size() >= 6) bytes[3] = 0, bytes[4] = random() % 2 ? 0x81 : 0x01, bytes[5] = apt_unit;
+    given += bytes.size();
+    reader.append(bytes);
+    while (const auto message = reader.next()) {
+      taken += 6 + message->data.size();
+      for (const AptId id :
+           {message->id, AptId::hw_get_info, AptId::get_velocity, AptId::get_home_params, AptId::move_completed}) {
+        AptMessage other = *message;
+        other.id = id;
+        parse_apt_hardware(other), parse_apt_status(other), parse_apt_velocity(other), parse_apt_home_velocity(other);
+      }
+    }
+  }
+  EXPECT_GT(taken, 1000u);
+  EXPECT_LE(taken + reader.bytes_dropped(), given);
+  EXPECT_GE(taken + reader.bytes_dropped() + 6 + 255, given) << "only an unfinished message is kept";
 }
 
 AptMessage read(const Bytes& bytes) {
