@@ -11,10 +11,10 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds listen_time(5), status_period(50), answer_time(1000);
-constexpr int answer_waits = 2;          // as in AptUnit
-constexpr milliseconds start_time(300);  // a motion has started by then, or never will
-constexpr double arrival_mm = 0.05;      // a servo has settled to within less
-constexpr double rounding = 1e-3;        // relative, of speeds read back; half a word more
+constexpr int answer_waits = 2;         // as in AptUnit
+constexpr milliseconds rest_time(500);  // a motion has started by then, or ended
+constexpr double arrival_mm = 0.05;     // a servo has settled to within less
+constexpr double rounding = 1e-3;       // relative, of speeds read back; half a word more
 constexpr std::uint8_t enable = 1, profiled = 2;
 
 std::string mm(double value) {
@@ -111,7 +111,7 @@ Result<double> AptAxis::position() {
 Status AptAxis::begin(const AptMessage& order, AptId ends_with, double target_mm) {
   ends_with_ = ends_with, target_mm_ = target_mm;
   ended_ = false, unanswered_ = 0;
-  begun_ = asked_ = Clock::now();
+  moved_ = asked_ = Clock::now();
   unit_.forget(setup_.address);
   return unit_.send(order);
 }
@@ -152,26 +152,26 @@ Result<bool> AptAxis::watch() {
   if (ended_) return true;
   const Result<std::optional<AptMessage>> came = unit_.receive(setup_.address, listen_time);
   if (!came) return tl::unexpected(came.error());
-  if (*came) {
-    if ((*came)->id == AptId::homed && ends_with_ == AptId::homed) return ended_ = true;
-    if (const std::optional<AptStatus> status = parse_apt_status(**came)) {
-      unanswered_ = 0;
-      const Result<bool> well = judge(*status, (*came)->id == ends_with_);
-      if ((*came)->id == AptId::move_stopped) return stopped_short(*status);
-      if (!well || *well) return ended_ = static_cast<bool>(well), well;
-    }
-  }
-  if (Status asked = ask_again(); !asked) return tl::unexpected(asked.error());
-  return false;
+  const Result<bool> well = *came ? judge(**came) : false;
+  if (!well) return well;
+  ended_ = *well;
+  if (Status asked = ended_ ? Status() : ask_again(); !asked) return tl::unexpected(asked.error());
+  return ended_;
 }
 
-Result<bool> AptAxis::judge(const AptStatus& status, bool has_ended) const {
-  if (status.motion_error()) return stopped_short(status);
-  if (has_ended && std::abs(to_mm(status.position) - target_mm_) <= arrival_mm) return true;
-  if (has_ended ||
-      (!status.moving() && Clock::now() > begun_ + start_time && !(ends_with_ == AptId::homed && status.homed())))
-    return stopped_short(status);
-  return false;
+/// A motion has ended by its message, or when the axis stands for a while where it was sent.
+Result<bool> AptAxis::judge(const AptMessage& message) {
+  const bool is_homing = ends_with_ == AptId::homed;
+  if (is_homing && message.id == AptId::homed) return true;
+  const std::optional<AptStatus> status = parse_apt_status(message);
+  if (!status) return false;
+  unanswered_ = 0;
+  if (status->moving()) moved_ = Clock::now();
+  if (status->motion_error() || message.id == AptId::move_stopped) return stopped_short(*status);
+  if (message.id != ends_with_ && Clock::now() < moved_ + rest_time) return false;
+  if (is_homing && status->homed()) return false;  // from before, or the message is on its way
+  if (!is_homing && std::abs(to_mm(status->position) - target_mm_) <= arrival_mm) return true;
+  return stopped_short(*status);
 }
 
 tl::unexpected<Error> AptAxis::stopped_short(const AptStatus& status) const {

@@ -55,7 +55,7 @@ class AptAxis {
   /// After an answer, so that nothing of an earlier motion is still to come.
   Status begin(const AptMessage& order, AptId ends_with, double target_mm);
   Status ask_again();
-  Result<bool> judge(const AptStatus& status, bool has_ended) const;
+  Result<bool> judge(const AptMessage& message);
 
   AptUnit& unit_;
   const Setup setup_;
@@ -63,8 +63,8 @@ class AptAxis {
   AptId ends_with_ = AptId::move_completed;  ///< the message that ends the motion under way
   double target_mm_ = 0;
   bool ended_ = false;
-  Clock::time_point begun_, asked_;
-  int unanswered_ = 0;  ///< requests of a status since the last answer
+  Clock::time_point moved_, asked_;  ///< last told or begun; last asked
+  int unanswered_ = 0;               ///< requests of a status since the last answer
 };
 
 }  // namespace lumifield

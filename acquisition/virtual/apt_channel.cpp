@@ -132,7 +132,7 @@ AptChannel::Bytes AptChannel::advance(double seconds) {
   if (!moving() || motion_ == Motion::braking || !motor.empty()) return {};
   const bool was_homing = motion_ == Motion::homing;
   stand();
-  if (!was_homing) return status(0x0464);
+  if (!was_homing) return tells_completion ? status(0x0464) : Bytes();
   motor.stands_at(Vec2::Zero(), Vec2::Zero());
   origin_mm_ = 0;
   homed_ = true;

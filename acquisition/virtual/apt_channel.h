@@ -34,6 +34,7 @@ class AptChannel {
   std::uint8_t address() const { return address_; }
 
   Axes motor;  ///< along x
+  bool tells_completion = true;
 
  private:
   enum class Motion { none, homing, moving, braking };

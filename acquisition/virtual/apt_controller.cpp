@@ -66,6 +66,7 @@ struct AptController::Impl {
     for (int axis : {0, 1}) {
       const auto address = static_cast<std::uint8_t>(is_pair() ? unit_address : first_bay + axis);
       axes.emplace_back(address, is_pair(), scale(), options.power_up_mm[axis], options.homing_mm_s, options.most_mm_s);
+      axes.back().tells_completion = options.tells_completion;
       axes.back().set_speed(options.rapid_mm_s, options.acceleration_mm_s2);
     }
     return {};

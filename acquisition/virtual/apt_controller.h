@@ -19,8 +19,9 @@ struct AptOptions {
   double rapid_mm_s = 200;  ///< at power-up; the host may set others
   double acceleration_mm_s2 = 2000;
   double homing_mm_s = 100;
-  double most_mm_s = 1e4;    ///< what the host asks beyond is not taken
-  Vec2 power_up_mm{20, 20};  ///< where the carriage truly stands when the controllers start
+  double most_mm_s = 1e4;        ///< what the host asks beyond is not taken
+  Vec2 power_up_mm{20, 20};      ///< where the carriage truly stands when the controllers start
+  bool tells_completion = true;  ///< by MOVE_COMPLETED
 };
 
 /// Thorlabs controllers of a two-axis stage on the virtual USB bus, as AptOptions::Kind says.

@@ -1,6 +1,7 @@
 #include "acquisition/stages/apt_stage.h"
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -101,17 +102,40 @@ TEST_P(AptStageTest, HomesMovesAndReadsBack) {
 TEST_P(AptStageTest, BothAxesMoveAtOnce) {
   AptDouble controllers = slow();
   const auto stage = controllers.open_homed();
-  bool both = false;
+  std::atomic<bool> both = false;
   {
     std::jthread watch([&](std::stop_token stop) {
       while (!stop.stop_requested() && !both) {
         const Vec2 at = controllers.server().true_position_mm();
         both = at.x() > 0 && at.x() < 10 && at.y() > 0 && at.y() < 8;
+        std::this_thread::sleep_for(milliseconds(1));
       }
     });
-    ASSERT_TRUE(stage->move_to({10, 8}));
+    const Status moved = stage->move_to({10, 8});
+    ASSERT_TRUE(moved) << moved.error().message();
   }
   EXPECT_TRUE(both);
+}
+
+TEST_P(AptStageTest, AMoveEndsWhereItWasSentThoughNothingTellsIt) {
+  options_.tells_completion = false;
+  AptDouble controllers(options_);
+  const auto stage = controllers.open_homed();
+  const Status moved = stage->move_to({20, 10});
+  ASSERT_TRUE(moved) << moved.error().message();
+  EXPECT_LT((controllers.server().true_position_mm() - Vec2(20, 10)).norm(), a_count(controllers));
+}
+
+TEST_P(AptStageTest, HaltFromAnotherThreadEndsHoming) {
+  options_.homing_mm_s = 5;
+  options_.power_up_mm = {100, 100};
+  AptDouble controllers(options_);
+  const auto stage = controllers.open();
+  std::jthread other([&] {
+    while (controllers.server().true_position_mm().x() > 99.5) std::this_thread::sleep_for(milliseconds(1));
+    stage->halt();
+  });
+  EXPECT_THAT(message(stage->home()), HasSubstr("axis x stopped homing before it was homed"));
 }
 
 TEST_P(AptStageTest, ADirectionTurnsTheReadings) {
