@@ -30,6 +30,18 @@ constexpr const char* descriptors =
     "07058102400000"
     "07050202400000";
 
+/// As umockdev reads it: path, device file, properties, attributes.
+std::string describe(const std::string& syspath, int number, const std::string& serial) {
+  char text[1024];
+  std::snprintf(text, sizeof text,
+                "P: %s\nN: bus/usb/001/%03d\nE: BUSNUM=001\nE: DEVNUM=%03d\nE: DEVNAME=/dev/bus/usb/001/%03d\n"
+                "E: DEVTYPE=usb_device\nE: DRIVER=usb\nE: PRODUCT=403/faf0/600\nE: SUBSYSTEM=usb\nE: MAJOR=189\n"
+                "E: MINOR=%d\nE: TYPE=0/0/0\nA: busnum=1\\n\nA: devnum=%d\\n\nA: bConfigurationValue=1\\n\n"
+                "A: speed=12\\n\nA: idVendor=0403\\n\nA: idProduct=faf0\\n\nA: serial=%s\\n\nH: descriptors=%s\n\n",
+                syspath.c_str(), number, number, number, number - 1, number, serial.c_str(), descriptors);
+  return text;
+}
+
 struct Unref {
   void operator()(UMockdevIoctlData* data) const { g_object_unref(data); }
 };
@@ -80,22 +92,16 @@ struct FtdiChip::Impl {
 
   Status plug() {
     const int number = bus.next_number();
-    char path[64], text[1024];
-    std::snprintf(path, sizeof path, "/dev/bus/usb/001/%03d", number);
     const std::string syspath = "/devices/pci0000:00/0000:00:14.0/usb1/1-" + std::to_string(number);
-    std::snprintf(text, sizeof text,
-                  "P: %s\nN: bus/usb/001/%03d\nE: BUSNUM=001\nE: DEVNUM=%03d\nE: DEVNAME=/dev/bus/usb/001/%03d\n"
-                  "E: DEVTYPE=usb_device\nE: DRIVER=usb\nE: PRODUCT=403/faf0/600\nE: SUBSYSTEM=usb\nE: MAJOR=189\n"
-                  "E: MINOR=%d\nE: TYPE=0/0/0\nA: busnum=1\\n\nA: devnum=%d\\n\nA: bConfigurationValue=1\\n\n"
-                  "A: speed=12\\n\nA: idVendor=0403\\n\nA: idProduct=faf0\\n\nA: serial=%s\\n\nH: descriptors=%s\n\n",
-                  syspath.c_str(), number, number, number, number - 1, number, line.serial.c_str(), descriptors);
+    char path[64];
+    std::snprintf(path, sizeof path, "/dev/bus/usb/001/%03d", number);
     auto node = std::make_unique<Node>();
     node->chip = this, node->path = path, node->syspath = "/sys" + syspath;
     node->io = umockdev_ioctl_base_new();
     g_signal_connect(node->io, "handle-ioctl", G_CALLBACK(on_ioctl), node.get());
     g_signal_connect(node->io, "client-vanished", G_CALLBACK(on_vanished), node.get());
     GError* error = nullptr;
-    if (umockdev_testbed_add_from_string(bus.testbed(), text, &error) == 0 ||
+    if (umockdev_testbed_add_from_string(bus.testbed(), describe(syspath, number, line.serial).c_str(), &error) == 0 ||
         umockdev_testbed_attach_ioctl(bus.testbed(), node->path.c_str(), node->io, &error) == 0)
       return fail(error->message, "virtual USB device " + line.serial, "check umockdev");
     const std::filesystem::path file = bus.root() / node->path.substr(1);

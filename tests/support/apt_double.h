@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "acquisition/stage.h"
@@ -68,6 +69,41 @@ class AptDouble {
   mutable std::mutex mutex_;
   std::vector<Vec2> prepared_;
   std::unique_ptr<virtual_bench::AptController> server_;
+};
+
+/// Each kind of them, to be opened by the production stage.
+class AptStageTest : public testing::TestWithParam<AptDouble::Kind> {
+ protected:
+  using Kind = AptDouble::Kind;
+
+  template <class T>
+  static std::string message(const Result<T>& result) {
+    return result ? "no error" : result.error().message();
+  }
+  void SetUp() override {
+    if (!AptDouble::can_run()) GTEST_SKIP() << AptDouble::why_not;
+    options_.kind = GetParam();
+    options_.power_up_mm = {3, 2};
+  }
+  /// One whose moves take long enough to be met on the way.
+  AptDouble slow() {
+    options_.rapid_mm_s = 20;
+    options_.acceleration_mm_s2 = 400;
+    return AptDouble(options_);
+  }
+  /// Acts on another thread once the carriage has passed 2 mm in x.
+  template <class F>
+  static std::jthread on_the_way(AptDouble& controllers, F act) {
+    return std::jthread([&controllers, act](std::stop_token stop) {
+      while (!(controllers.server().true_position_mm().x() > 2) && !stop.stop_requested())
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      act();
+    });
+  }
+  /// How far a reading may be off, mm.
+  static double a_count(AptDouble& controllers) { return 0.8 / controllers.server().counts_per_mm(); }
+
+  virtual_bench::AptOptions options_;
 };
 
 }  // namespace lumifield
