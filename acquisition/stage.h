@@ -44,12 +44,12 @@ class Stage {
   virtual void halt() = 0;
 };
 
-/// Opens the stage that a bench file names. One owner per port (TIOCEXCL and flock).
-/// Errors: path missing, busy, silent, garbage, an alarm that homing does not clear, kind unknown.
+/// Opens the stage that a bench file names. One owner per port (TIOCEXCL and flock) or USB interface (claimed).
+/// Errors: path or serial missing, busy, silent, garbage, an alarm that homing does not clear, kind unknown.
 Result<std::unique_ptr<Stage>> open_stage(const StageSettings& settings);
 
-/// Serial ports that look like a stage (/dev/tty{USB,ACM}*) and `path` if given, usable or not; none is stopped or
-/// reset.
+/// Serial ports that look like a stage (/dev/tty{USB,ACM}*), `path` if given, and controllers on USB, usable or not;
+/// none is stopped or reset.
 std::vector<DeviceReport> find_stages(const std::string& path = {});
 
 /// The stage that a bench file names, answering or not; it is neither stopped nor reset.

@@ -14,6 +14,7 @@ constexpr std::string_view format = "lumifield-bench";
 constexpr int version = 1;
 constexpr std::string_view camera_kinds[] = {"aravis", "v4l2", "replay"};
 constexpr std::string_view stage_kinds[] = {"grbl", "apt"};
+constexpr std::string_view apt_controllers[] = {"kdc101", "bbd30x", "bsc20x"};
 constexpr std::string_view carried[] = {"slide", "lamp"};
 constexpr std::string_view changes[] = {"stage", "operator"};
 constexpr std::string_view bases[] = {"box", "tent", "bell", "bspline2"};
@@ -33,10 +34,28 @@ CameraSettings read_camera(const JsonValue& at) {
   return c;
 }
 
+AptSettings read_apt(const JsonValue& at) {
+  AptSettings a;
+  for (const JsonValue& each : at["serials"].elements(1, 2)) a.serials.push_back(each.text());
+  a.controller = apt_controllers[at["controller"].choice(apt_controllers)];
+  if (a.serials.size() == 1 && a.controller == "kdc101")
+    at["serials"].refuse("names one controller of one axis", "name that of the y axis too");
+  if (a.serials.size() == 2 && a.serials[0] == a.serials[1])
+    at["serials"].refuse("names one controller twice", "name one alone, for bays 1 and 2, or another for the y axis");
+  a.counts_per_mm = at["counts_per_mm"].vec2(positive);
+  a.direction = at["direction"].vec2_or(a.direction);
+  if (!(a.direction.array().abs() == 1).all()) at["direction"].refuse("is no direction", "make each 1 or -1");
+  a.travel_mm = at["travel_mm"].vec2(positive);
+  return a;
+}
+
 StageSettings read_stage(const JsonValue& at) {
   StageSettings s;
   s.kind = stage_kinds[at["kind"].choice_or(0, stage_kinds)];
-  s.path = at["path"].text_or(s.path);
+  if (s.kind == "apt")
+    s.apt = read_apt(at["apt"]);
+  else
+    s.path = at["path"].text_or(s.path);
   s.rapid_mm_s = at["rapid_mm_s"].number_or(s.rapid_mm_s, not_negative);
   s.acceleration_mm_s2 = at["acceleration_mm_s2"].number_or(s.acceleration_mm_s2, not_negative);
   s.home = at["home"].flag_or(s.home);
@@ -131,6 +150,24 @@ Json row_major(const Pose& pose) {
   return json;
 }
 
+Json json_of(const StageSettings& s) {
+  Json json = {{"kind", s.kind}};
+  if (s.kind == "apt")
+    json["apt"] = {{"serials", s.apt.serials},
+                   {"controller", s.apt.controller},
+                   {"counts_per_mm", to_json_array(s.apt.counts_per_mm)},
+                   {"direction", to_json_array(s.apt.direction)},
+                   {"travel_mm", to_json_array(s.apt.travel_mm)}};
+  else
+    json["path"] = s.path;
+  json["rapid_mm_s"] = s.rapid_mm_s;
+  json["acceleration_mm_s2"] = s.acceleration_mm_s2;
+  json["home"] = s.home;
+  json["approach_mm"] = to_json_array(s.approach_mm);
+  json["check_home"] = s.check_home;
+  return json;
+}
+
 Json json_of(const CameraModel& m) {
   return {{"width_px", m.width_px},
           {"height_px", m.height_px},
@@ -219,13 +256,7 @@ std::string to_json(const Bench& b) {
       {"kind", b.camera.kind},         {"address", b.camera.address},     {"pixel_format", b.camera.pixel_format},
       {"gain", b.camera.gain},         {"readout_s", b.camera.readout_s}, {"packet_bytes", b.camera.packet_bytes},
       {"width_px", b.camera.width_px}, {"height_px", b.camera.height_px}};
-  json["stage"] = {{"kind", b.stage.kind},
-                   {"path", b.stage.path},
-                   {"rapid_mm_s", b.stage.rapid_mm_s},
-                   {"acceleration_mm_s2", b.stage.acceleration_mm_s2},
-                   {"home", b.stage.home},
-                   {"approach_mm", to_json_array(b.stage.approach_mm)},
-                   {"check_home", b.stage.check_home}};
+  json["stage"] = json_of(b.stage);
   json["stage_carries"] = b.stage_carries == StageCarries::slide ? "slide" : "lamp";
   const Eigen::Matrix2d& a = b.stage_to_luminaire.linear;
   json["stage_to_luminaire"]["linear"] = Json::array({to_json_array(a.row(0)), to_json_array(a.row(1))});

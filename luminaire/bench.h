@@ -25,12 +25,23 @@ struct CameraSettings {
   int width_px = 0, height_px = 0;      ///< v4l2: of the picture; 0 = the largest that it offers
 };
 
+/// Thorlabs controllers of two axes, read where the stage's kind is "apt", from its member "apt".
+struct AptSettings {
+  /// USB serial numbers as printed on the controllers: two, of the x and the y axis; or one, with x in its bay 1 and y
+  /// in bay 2.
+  std::vector<std::string> serials;
+  std::string controller = "kdc101";  ///< "kdc101" | "bbd30x" | "bsc20x": units of speeds, form of status messages
+  Vec2 counts_per_mm{0, 0};           ///< of the carriage's motor or encoder: 34304 MTS25, 20000 DDS220, 409600 LTS150
+  Vec2 direction{1, 1};               ///< ±1: sign of the stage reading for positive counts
+  Vec2 travel_mm{0, 0};               ///< from home; targets beyond are refused
+};
+
 struct StageSettings {
-  std::string kind = "grbl";  ///< "grbl" | "apt"
-  std::string path;           ///< serial device
-  double rapid_mm_s = 0;      ///< speed used for predictions; 0 = ask the controller
-  double acceleration_mm_s2 = 0;
-  bool home = true;  ///< home before the scan
+  std::string kind = "grbl";      ///< "grbl" | "apt"
+  std::string path;               ///< grbl: serial device
+  double rapid_mm_s = 0;          ///< speed used for predictions; 0 = ask the controller. apt: set on it, too
+  double acceleration_mm_s2 = 0;  ///< as the speed
+  bool home = true;               ///< home before the scan
   /// Every position is come to from here: from target − approach_mm to the target, on both axes at once, so that the
   /// drive's backlash always lies on the same side. More than the backlash, and away from the home switches, as homing
   /// itself comes to its zero. [0, 0] = straight to the target.
@@ -39,6 +50,7 @@ struct StageSettings {
   /// are found, and what was measured since the last look is measured again. With `home` only. A GRBL controller needs
   /// $20=0 and $21=0 for it, as the switches lie beyond the travel.
   bool check_home = false;
+  AptSettings apt;  ///< of kind "apt"
 };
 
 /// Which of the two the stage moves.

@@ -5,21 +5,11 @@
 #include <mutex>
 #include <string>
 #include <string_view>
-#include <tl/expected.hpp>
 
+#include "acquisition/links/link_fault.h"
 #include "luminaire/error.h"
 
 namespace lumifield {
-
-/// What can become of a transfer on a link that was opened.
-enum class LinkFault {
-  timeout,   ///< the far side sent no complete line, or took no bytes, in time
-  hang_up,   ///< the far side is gone: unplugged, switched off, emulator ended
-  overlong,  ///< far more bytes than a line has, and no line end: another protocol or another speed
-};
-
-template <class T>
-using LinkResult = tl::expected<T, LinkFault>;
 
 /// A serial line carrying text: opened by path, owned alone, raw, 8 data bits, no parity, one stop bit, no flow
 /// control.

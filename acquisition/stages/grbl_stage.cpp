@@ -301,6 +301,4 @@ Result<std::unique_ptr<Stage>> open_grbl_stage(const StageSettings& settings) {
   return stage;
 }
 
-Result<std::string> identify_grbl_stage(const std::string& path) { return GrblDialogue::listen(path); }
-
 }  // namespace lumifield

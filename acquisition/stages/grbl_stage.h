@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "acquisition/stage.h"
 
@@ -28,7 +29,11 @@ namespace lumifield {
 /// Errors beyond those of Stage: controller restarted, put on hold or door opened by hand, unreadable answers, hang-up.
 Result<std::unique_ptr<Stage>> open_grbl_stage(const StageSettings& settings);
 
-/// The name of the controller at a port, asked for without disturbing it: neither reset nor hold.
-Result<std::string> identify_grbl_stage(const std::string& path);
+/// Serial ports that look like a stage (/dev/tty{USB,ACM}*) and `path` if given, usable or not. What answers is asked
+/// for its name without disturbing it: neither reset nor hold.
+std::vector<DeviceReport> find_grbl_stages(const std::string& path);
+
+/// The port that a bench file names, asked likewise.
+DeviceReport probe_grbl_stage(const StageSettings& settings);
 
 }  // namespace lumifield

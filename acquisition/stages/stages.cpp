@@ -1,7 +1,5 @@
-#include <filesystem>
-#include <set>
-
 #include "acquisition/stage.h"
+#include "acquisition/stages/apt_stage.h"
 #include "acquisition/stages/grbl_stage.h"
 
 namespace lumifield {
@@ -10,34 +8,15 @@ namespace {
 struct StageKind {
   std::string_view name;
   Result<std::unique_ptr<Stage>> (*open)(const StageSettings&);
-  Result<std::string> (*identify)(const std::string& path);
+  std::vector<DeviceReport> (*find)(const std::string& path);
+  DeviceReport (*probe)(const StageSettings&);
 };
 
 // A new kind is a file beside this one and a line here.
 constexpr StageKind kinds[] = {
-    {"grbl", open_grbl_stage, identify_grbl_stage},
+    {"grbl", open_grbl_stage, find_grbl_stages, probe_grbl_stage},
+    {"apt", open_apt_stage, find_apt_stages, probe_apt_stage},
 };
-
-std::set<std::string> serial_ports() {
-  std::set<std::string> ports;
-  std::error_code fault;
-  for (const auto& entry : std::filesystem::directory_iterator("/dev", fault)) {
-    const std::string name = entry.path().filename();
-    if (name.starts_with("ttyUSB") || name.starts_with("ttyACM")) ports.insert(entry.path());
-  }
-  return ports;
-}
-
-DeviceReport try_port(const std::string& port) {
-  DeviceReport report{.role = "stage", .name = {}, .address = port, .usable = false, .reason = {}, .remedy = {}};
-  for (const StageKind& kind : kinds) {
-    const Result<std::string> name = kind.identify(port);
-    if (name) return {"stage", *name, port, true, {}, {}};
-    report.reason = name.error().what;
-    report.remedy = name.error().remedy;
-  }
-  return report;
-}
 
 Result<StageKind> kind_of(const StageSettings& settings) {
   std::string names;
@@ -63,16 +42,14 @@ Result<std::unique_ptr<Stage>> open_stage(const StageSettings& settings) {
 
 DeviceReport probe_stage(const StageSettings& settings) {
   const Result<StageKind> kind = kind_of(settings);
-  const Result<std::string> name = kind ? kind->identify(settings.path) : tl::unexpected(kind.error());
-  if (!name) return {"stage", {}, settings.path, false, name.error().what, name.error().remedy};
-  return {"stage", *name, settings.path, true, {}, {}};
+  if (!kind) return {"stage", {}, settings.path, false, kind.error().what, kind.error().remedy};
+  return kind->probe(settings);
 }
 
 std::vector<DeviceReport> find_stages(const std::string& path) {
-  std::set<std::string> ports = serial_ports();
-  if (!path.empty()) ports.insert(path);
   std::vector<DeviceReport> reports;
-  for (const std::string& port : ports) reports.push_back(try_port(port));
+  for (const StageKind& kind : kinds)
+    for (DeviceReport& report : kind.find(path)) reports.push_back(std::move(report));
   return reports;
 }
 

@@ -309,5 +309,8 @@ void GrblController::silence(bool silent) {
 void GrblController::trip_limit() {
   impl_->now([&] { impl_->alarm(1, Mode::dead); });
 }
+Status GrblController::unplug(bool) {
+  return fail("a stage on a terminal cannot be unplugged", impl_->options.path.string(), "use --stage apt");
+}
 
 }  // namespace lumifield::virtual_bench

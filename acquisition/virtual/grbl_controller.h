@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "acquisition/virtual/stage_server.h"
 #include "luminaire/error.h"
 #include "luminaire/geometry.h"
 
@@ -34,25 +35,23 @@ struct GrblOptions {
 ///
 /// The planner takes 15 moves and answers `ok` when it takes one; each move accelerates, cruises and ends at rest.
 /// There is no jogging. Own thread; the members may be called from any.
-class GrblController {
+class GrblController final : public StageServer {
  public:
   /// `prepare` gets the true position that an accepted move will end at.
   /// Errors: no pseudo-terminal, `path` exists or its folder cannot be written.
   static Result<std::unique_ptr<GrblController>> start(const GrblOptions& options,
                                                        std::function<void(const Vec2&)> prepare = {});
-  ~GrblController();
+  ~GrblController() override;
 
-  /// Where the carriage is now, whatever MPos claims.
-  Vec2 true_position_mm() const;
-  /// Where it is less what MPos claims.
-  Vec2 off_mm() const;
+  Vec2 true_position_mm() const override;
+  Vec2 off_mm() const override;
 
-  /// Each later move of more than 2 mm falls short by this; MPos does not know.
-  void lose_steps(double mm_per_move);
-  void set_backlash(double mm);  ///< of either axis; MPos does not know
-  void stick(bool stuck);        ///< the axes stop and the state stays what it is
-  void silence(bool silent);     ///< nothing is answered
-  void trip_limit();             ///< a limit switch closes now: ALARM:1
+  void lose_steps(double mm_per_move) override;  ///< MPos does not know
+  void set_backlash(double mm) override;         ///< MPos does not know
+  void stick(bool stuck) override;
+  void silence(bool silent) override;
+  void trip_limit() override;        ///< ALARM:1
+  Status unplug(bool out) override;  ///< a terminal is not unplugged
 
  private:
   struct Impl;

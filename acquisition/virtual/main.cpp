@@ -15,10 +15,12 @@
 #include <unistd.h>
 #include <vector>
 
+#include "acquisition/virtual/apt_controller.h"
 #include "acquisition/virtual/gige_camera.h"
 #include "acquisition/virtual/grbl_controller.h"
 #include "acquisition/virtual/knobs.h"
 #include "acquisition/virtual/truth_table.h"
+#include "acquisition/virtual/usb_bus.h"
 #include "acquisition/virtual/v4l2_camera.h"
 #include "acquisition/virtual/world.h"
 
@@ -30,8 +32,8 @@ struct Options {
   GigeCameraOptions camera;
   V4l2CameraOptions video;
   GrblOptions stage;
-  std::string camera_kind = "gige", filter = "bell:7.5:4", size = "1024x768", carries = "slide", change = "stage",
-              knobs, points, out, line;
+  std::string camera_kind = "gige", stage_kind = "grbl", filter = "bell:7.5:4", size = "1024x768", carries = "slide",
+              change = "stage", knobs, points, out, line;
   std::vector<std::string> command, set;
   bool projected = false;
   TruthGrid grid;
@@ -40,7 +42,8 @@ struct Options {
 /// The world goes last: stage and camera look into it.
 struct Devices {
   std::unique_ptr<World> world;
-  std::unique_ptr<GrblController> stage;
+  std::unique_ptr<UsbBus> usb;  ///< where the stage is on USB
+  std::unique_ptr<StageServer> stage;
   std::unique_ptr<CameraServer> camera;  ///< null while it is switched off
   std::function<Result<std::unique_ptr<CameraServer>>()> make_camera;
   std::atomic<double> worst_off_mm = 0;  ///< of an exposure since it was last asked for
@@ -118,6 +121,8 @@ KnobPanel make_knobs(Devices& bench) {
       {"stuck_stage", fault("0|1", [&](double value) { bench.stage->stick(value != 0); })},
       {"silent_stage", fault("0|1", [&](double value) { bench.stage->silence(value != 0); })},
       {"stage_alarm", fault("1", [&](double value) { value != 0 ? bench.stage->trip_limit() : void(); })},
+      {"unplugged_stage",
+       {"0|1, of a stage on USB", [&](double value) { return bench.stage->unplug(value != 0); }, {}}},
       {"frozen_camera", fault("0|1", [&](double value) { bench.camera ? bench.camera->freeze(value != 0) : void(); })},
       {"camera_off", {"0|1", [&](double value) { return switch_camera(bench, value != 0); }, {}}},
       {"frames", {"read only", {}, [&] { return std::to_string(bench.camera ? bench.camera->frames_sent() : 0); }}},
@@ -192,6 +197,36 @@ void make_camera_of(Options& options, Devices& devices, const std::filesystem::p
   };
 }
 
+/// The stage that the options name, and how the bench file names it.
+Status start_stage(Options& options, Devices& devices, const std::filesystem::path& folder, Bench& bench) {
+  const auto prepare = [&devices](const Vec2& at) { devices.world->prepare(at); };
+  // The stage reads 0 … travel, which holds the bench's limits.
+  options.stage.travel_mm = bench.limits.high_mm;
+  if (options.stage_kind == "grbl") {
+    if (options.stage.path.empty()) options.stage.path = folder / "stage";
+    auto stage = GrblController::start(options.stage, prepare);
+    if (!stage) return tl::unexpected(stage.error());
+    bench.stage.path = options.stage.path;
+    devices.stage = std::move(*stage);
+    return {};
+  }
+  auto usb = UsbBus::create();
+  if (!usb) return tl::unexpected(usb.error());
+  devices.usb = std::move(*usb);
+  AptOptions apt;
+  apt.kind = options.stage_kind == "apt" ? AptOptions::Kind::pair : AptOptions::Kind::rack;
+  apt.travel_mm = options.stage.travel_mm;
+  apt.rapid_mm_s = options.stage.rapid_mm_s;
+  apt.acceleration_mm_s2 = options.stage.acceleration_mm_s2;
+  auto stage = AptController::start(*devices.usb, apt, prepare);
+  if (!stage) return tl::unexpected(stage.error());
+  bench.stage.kind = "apt";
+  bench.stage.apt = {(*stage)->serials(), apt.kind == AptOptions::Kind::pair ? "kdc101" : "bsc20x",
+                     Vec2::Constant((*stage)->counts_per_mm()), Vec2(1, 1), apt.travel_mm};
+  devices.stage = std::move(*stage);
+  return {};
+}
+
 int run_bench(Options& options, Devices& devices, const KnobPanel& panel) {
   if (options.command.empty()) return report({"no command given", "", "lumifield-bench --lamp bike -- COMMAND…"}, 2);
   // All threads inherit this, so that only run_command sees these signals.
@@ -207,13 +242,7 @@ int run_bench(Options& options, Devices& devices, const KnobPanel& panel) {
   devices.world = std::move(*world);
   Bench bench = devices.world->bench();
 
-  // The stage reads 0 … travel, which holds the bench's limits.
-  if (options.stage.path.empty()) options.stage.path = folder.path() / "stage";
-  options.stage.travel_mm = bench.limits.high_mm;
-  auto stage = GrblController::start(options.stage, [&](const Vec2& at) { devices.world->prepare(at); });
-  if (!stage) return report(stage.error());
-  devices.stage = std::move(*stage);
-
+  if (Status stage = start_stage(options, devices, folder.path(), bench); !stage) return report(stage.error());
   make_camera_of(options, devices, folder.path());
   if (Status on = switch_camera(devices, false); !on) return report(on.error());
 
@@ -231,11 +260,11 @@ int run_bench(Options& options, Devices& devices, const KnobPanel& panel) {
     bench.camera.kind = "v4l2";
     bench.camera.address = options.video.folder / "video0";
   }
-  bench.stage.path = options.stage.path;
   const std::filesystem::path file = folder.path() / "bench.json";
   if (!(std::ofstream(file) << to_json(bench) << std::flush))
     return report({"cannot be written", file.string(), "check the space there"});
   setenv("LUMIFIELD_BENCH", file.c_str(), 1);
+  if (devices.usb) UsbBus::preload();
   return run_command(options.command, handled);
 }
 
@@ -258,7 +287,11 @@ int parse_and_run(int argc, char** argv) {
   app.add_option("--camera", options.camera_kind, "how it is reached: GigE Vision, or V4L2 on a FUSE file")
       ->check(of({"gige", "v4l2"}));
   app.add_option("--address", options.camera.address, "the GigE camera's, of an interface of this machine");
-  app.add_option("--serial-path", options.stage.path, "where the stage's terminal is linked; else a temporary path");
+  app.add_option("--stage", options.stage_kind,
+                 "GRBL on a terminal, or Thorlabs on USB: a pair of units, or a rack's bays")
+      ->check(of({"grbl", "apt", "apt-rack"}));
+  app.add_option("--serial-path", options.stage.path,
+                 "where the GRBL stage's terminal is linked; else a temporary path");
   app.add_option("--knobs", options.knobs, "Unix socket that takes lines `NAME VALUE` and `get NAME`");
   app.add_option("--set", options.set, "NAME=VALUE of a knob from the start; may be repeated")->allow_extra_args(false);
   app.add_option("--loss", options.camera.lost_packet_ratio, "share of stream packets lost")->check(CLI::Range(0., 1.));

@@ -100,6 +100,47 @@ TEST(Bench, ReturnsTheSameAfterWritingAndReading) {
   EXPECT_EQ(read->name, bench.name);
 }
 
+const Json apt_stage = {{"kind", "apt"},
+                        {"apt",
+                         {{"serials", {"27000001", "27000002"}},
+                          {"controller", "kdc101"},
+                          {"counts_per_mm", {34304, 34304}},
+                          {"travel_mm", {50, 25}}}}};
+
+TEST(Bench, ReadsAPairOfAptControllers) {
+  Json json = Json::parse(documented);
+  json["stage"] = apt_stage;
+  std::vector<std::string> notes;
+  const Result<Bench> read = parse_bench(json.dump(), "bench.json", &notes);
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_EQ(read->stage.apt.serials, (std::vector<std::string>{"27000001", "27000002"}));
+  EXPECT_EQ(read->stage.apt.controller, "kdc101");
+  EXPECT_EQ(read->stage.apt.counts_per_mm, Vec2(34304, 34304));
+  EXPECT_EQ(read->stage.apt.direction, Vec2(1, 1));
+  EXPECT_EQ(read->stage.apt.travel_mm, Vec2(50, 25));
+  EXPECT_THAT(notes, testing::Contains("bench.json: stage.apt.direction is absent, taken as [1, 1]"));
+  Bench turned = *read;
+  turned.stage.apt.direction = {1, -1};
+  EXPECT_EQ(to_json(*parse_bench(to_json(turned), "bench.json")), to_json(turned));
+  EXPECT_EQ(parse_bench(to_json(turned), "bench.json")->stage.apt.direction, Vec2(1, -1));
+}
+
+TEST(Bench, NamesWhatIsWrongOfAptControllers) {
+  const auto with = [](const char* member, const Json& value) {
+    Json stage = apt_stage;
+    stage["apt"][member] = value;
+    return refusal_with("/stage", stage);
+  };
+  EXPECT_THAT(refusal_with("/stage", Json({{"kind", "apt"}})), HasSubstr("stage.apt.serials: is missing"));
+  EXPECT_THAT(with("serials", Json({"27000001"})), HasSubstr("stage.apt.serials: names one controller of one axis"));
+  EXPECT_THAT(with("serials", Json({"1", "1"})), HasSubstr("stage.apt.serials: names one controller twice"));
+  EXPECT_THAT(with("serials", Json({"1", "2", "3"})), HasSubstr("stage.apt.serials: has 3 elements"));
+  EXPECT_THAT(with("controller", "tdc"), HasSubstr("stage.apt.controller: \"tdc\" is not known"));
+  EXPECT_THAT(with("counts_per_mm", Json({34304, 0})), HasSubstr("stage.apt.counts_per_mm[1]: is out of range"));
+  EXPECT_THAT(with("direction", Json({1, 0})), HasSubstr("stage.apt.direction: is no direction; make each 1 or -1"));
+  EXPECT_THAT(with("travel_mm", Json({-1, 10})), HasSubstr("stage.apt.travel_mm[0]: is out of range"));
+}
+
 TEST(Bench, IgnoresUnknownMembers) { EXPECT_EQ(refusal_with("/camera/colour_of_the_case", "red"), "accepted"); }
 
 TEST(Bench, NamesThePlaceOfWhatIsWrong) {

@@ -1,0 +1,48 @@
+#include "acquisition/virtual/ftdi_line.h"
+
+#include <algorithm>
+#include <cerrno>
+
+namespace lumifield::virtual_bench {
+
+namespace {
+
+constexpr std::uint8_t get_descriptor = 6, string_descriptor = 3, english[2] = {0x09, 0x04};
+constexpr std::uint8_t standard_in = 0x80, vendor_out = 0x40, vendor_in = 0xc0;
+constexpr std::uint8_t reset = 0, get_modem_status = 5, set_latency = 9, get_latency = 10;
+constexpr int purge_received = 1, purge_to_send = 2;
+
+int tell_string(const FtdiLine& line, int index, std::uint8_t* answer, int length) {
+  const std::string names[] = {"", "Thorlabs", line.product, line.serial};
+  if (index >= 4) return -EPIPE;
+  std::vector<std::uint8_t> text{0, string_descriptor};
+  if (index == 0) text.insert(text.end(), english, english + 2);
+  for (const char c : names[index]) text.push_back(static_cast<std::uint8_t>(c)), text.push_back(0);
+  text[0] = static_cast<std::uint8_t>(text.size());
+  const int count = std::min(length, static_cast<int>(text.size()));
+  std::copy_n(text.begin(), count, answer);
+  return count;
+}
+
+}  // namespace
+
+int answer_control(FtdiLine& line, std::uint8_t* setup) {
+  const std::uint8_t type = setup[0], request = setup[1];
+  const int value = setup[2] | setup[3] << 8, length = setup[6] | setup[7] << 8;
+  std::uint8_t* const answer = setup + 8;
+  if (type == standard_in && request == get_descriptor && value >> 8 == string_descriptor)
+    return tell_string(line, value & 0xff, answer, length);
+  if (type == vendor_out) {
+    if (request == set_latency) line.latency_ms = value & 0xff;
+    if (request == reset && value == purge_received) line.received.clear();
+    if (request == reset && value == purge_to_send) line.to_send.clear();
+    return length;
+  }
+  if (type != vendor_in) return -EPIPE;
+  std::fill_n(answer, length, std::uint8_t{0xff});  // an empty memory
+  if (request == get_latency) *answer = static_cast<std::uint8_t>(line.latency_ms);
+  if (request == get_modem_status) std::copy_n(ftdi_status, 2, answer);
+  return request == get_latency ? 1 : request == get_modem_status ? 2 : length;
+}
+
+}  // namespace lumifield::virtual_bench

@@ -1,0 +1,47 @@
+#include "acquisition/virtual/usb_bus.h"
+
+#include <cstdlib>
+#include <dlfcn.h>
+#include <umockdev.h>
+
+namespace lumifield::virtual_bench {
+
+namespace {
+constexpr const char* library = "libumockdev-preload.so.0";
+}
+
+Result<std::unique_ptr<UsbBus>> UsbBus::create() {
+  void* const found = dlopen(library, RTLD_LAZY | RTLD_LOCAL);
+  if (found == nullptr) return fail("is missing: there can be no virtual USB", library, "install umockdev");
+  dlclose(found);
+  std::unique_ptr<UsbBus> bus(new UsbBus(umockdev_testbed_new()));
+  const std::filesystem::path system = bus->root() / "sys/devices/system";
+  std::error_code fault;
+  std::filesystem::create_directories(system.parent_path(), fault);
+  std::filesystem::create_directory_symlink("/sys/devices/system", system, fault);
+  if (fault) return fail("cannot be linked: " + fault.message(), system.string(), "check TMPDIR");
+  return bus;
+}
+
+UsbBus::~UsbBus() { g_object_unref(testbed_); }
+
+void UsbBus::preload() {
+  const char* const others = std::getenv("LD_PRELOAD");
+  const bool any = others != nullptr && *others != '\0';
+  setenv("LD_PRELOAD", (std::string(library) + (any ? std::string(":") + others : "")).c_str(), 1);
+}
+
+bool UsbBus::is_preloaded() {
+  void* const found = dlopen(library, RTLD_LAZY | RTLD_NOLOAD);
+  if (found != nullptr) dlclose(found);
+  return found != nullptr;
+}
+
+std::filesystem::path UsbBus::root() const {
+  char* const root = umockdev_testbed_get_root_dir(testbed_);
+  std::filesystem::path path = root;
+  g_free(root);
+  return path;
+}
+
+}  // namespace lumifield::virtual_bench

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "luminaire/error.h"
+
+typedef struct _UMockdevTestbed UMockdevTestbed;
+
+namespace lumifield::virtual_bench {
+
+/// A USB bus that programs started from here see instead of this machine's, if they are started after preload(): a
+/// library stands before their system calls (umockdev), and their libusb finds the devices of this process. /sys is the
+/// bus's alone; what others look for there, the processors and memories of /sys/devices/system, is linked into it.
+///
+/// A program whose bus is gone is ended by that library: keep it for as long as such programs run. One per process.
+class UsbBus {
+ public:
+  /// Errors: umockdev's library is missing.
+  static Result<std::unique_ptr<UsbBus>> create();
+  ~UsbBus();
+  UsbBus(const UsbBus&) = delete;
+  UsbBus& operator=(const UsbBus&) = delete;
+
+  /// Makes programs started from here see this bus.
+  static void preload();
+  /// Whether this program was so started.
+  static bool is_preloaded();
+
+  UMockdevTestbed* testbed() const { return testbed_; }
+  /// Where the programs' /sys and /dev are.
+  std::filesystem::path root() const;
+  /// For the next device; the kernel counts them, too.
+  int next_number() { return ++devices_; }
+
+ private:
+  explicit UsbBus(UMockdevTestbed* testbed) : testbed_(testbed) {}
+
+  UMockdevTestbed* testbed_;
+  int devices_ = 1;  // the hub
+};
+
+}  // namespace lumifield::virtual_bench
