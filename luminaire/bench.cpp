@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view format = "lumifield-bench";
 constexpr int version = 1;
 constexpr std::string_view camera_kinds[] = {"aravis", "v4l2", "replay"};
-constexpr std::string_view stage_kinds[] = {"grbl", "apt"};
+constexpr std::string_view stage_kinds[] = {"grbl", "apt", "replay"};
 constexpr std::string_view carried[] = {"slide", "lamp"};
 constexpr std::string_view changes[] = {"stage", "operator"};
 constexpr std::string_view bases[] = {"box", "tent", "bell", "bspline2"};

@@ -26,8 +26,8 @@ struct CameraSettings {
 };
 
 struct StageSettings {
-  std::string kind = "grbl";  ///< "grbl" | "apt"
-  std::string path;           ///< serial device
+  std::string kind = "grbl";  ///< "grbl" | "apt" | "replay"
+  std::string path;           ///< serial device; replay: a folder of frames
   double rapid_mm_s = 0;      ///< speed used for predictions; 0 = ask the controller
   double acceleration_mm_s2 = 0;
   bool home = true;  ///< home before the scan

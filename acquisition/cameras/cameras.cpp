@@ -1,6 +1,7 @@
 #include "acquisition/camera.h"
 #include "acquisition/cameras/aravis_camera.h"
 #include "acquisition/cameras/aravis_discovery.h"
+#include "acquisition/cameras/replay_camera.h"
 #include "acquisition/cameras/v4l2_camera.h"
 
 namespace lumifield {
@@ -17,6 +18,7 @@ struct CameraKind {
 constexpr CameraKind kinds[] = {
     {"aravis", open_aravis_camera, find_aravis_cameras, probe_aravis_camera},
     {"v4l2", open_v4l2_camera, find_v4l2_cameras, probe_v4l2_camera},
+    {"replay", open_replay_camera, find_replay_cameras, probe_replay_camera},
 };
 
 Result<CameraKind> kind_of(const CameraSettings& settings) {

@@ -3,6 +3,7 @@
 
 #include "acquisition/stage.h"
 #include "acquisition/stages/grbl_stage.h"
+#include "acquisition/stages/replay_stage.h"
 
 namespace lumifield {
 namespace {
@@ -11,11 +12,13 @@ struct StageKind {
   std::string_view name;
   Result<std::unique_ptr<Stage>> (*open)(const StageSettings&);
   Result<std::string> (*identify)(const std::string& path);
+  bool is_serial;  ///< stands behind a serial port
 };
 
 // A new kind is a file beside this one and a line here.
 constexpr StageKind kinds[] = {
-    {"grbl", open_grbl_stage, identify_grbl_stage},
+    {"grbl", open_grbl_stage, identify_grbl_stage, true},
+    {"replay", open_replay_stage, identify_replay_stage, false},
 };
 
 std::set<std::string> serial_ports() {
@@ -31,6 +34,7 @@ std::set<std::string> serial_ports() {
 DeviceReport try_port(const std::string& port) {
   DeviceReport report{.role = "stage", .name = {}, .address = port, .usable = false, .reason = {}, .remedy = {}};
   for (const StageKind& kind : kinds) {
+    if (!kind.is_serial) continue;
     const Result<std::string> name = kind.identify(port);
     if (name) return {"stage", *name, port, true, {}, {}};
     report.reason = name.error().what;
