@@ -108,6 +108,9 @@ TEST(Bench, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(refusal_with("/camera", "aravis"), HasSubstr("bench.json: camera: has the wrong type"));
   EXPECT_THAT(refusal_with("/camera/kind", "usb"),
               HasSubstr("camera.kind: \"usb\" is not known; make it one of \"aravis\""));
+  EXPECT_THAT(refusal_with("/camera/packet_bytes", 575), HasSubstr("give 576 to 65535, or 0 to have it found"));
+  EXPECT_EQ(refusal_with("/camera/packet_bytes", 0), "accepted");
+  EXPECT_THAT(refusal_with("/camera/binning", 0), HasSubstr("camera.binning: is out of range"));
   EXPECT_THAT(refusal_with("/camera/packet_bytes", 1500.5), HasSubstr("camera.packet_bytes: is out of range"));
   EXPECT_THAT(refusal_with("/stage/home", 1), HasSubstr("stage.home: has the wrong type; make it true or false"));
   EXPECT_THAT(refusal_with("/stage", Json({{"kind", "grbl"}, {"home", false}, {"check_home", true}})),
