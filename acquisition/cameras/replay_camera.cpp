@@ -35,7 +35,7 @@ class ReplayCamera final : public Camera {
  public:
   ReplayCamera(const CameraSettings& settings, std::vector<ListedFrame> frames)
       : folder_(settings.address), frames_(std::move(frames)), given_(frames_.size()) {
-    info_ = {"Lumifield", "replay of " + std::to_string(frames_.size()) + " frames", {}, settings.address, 0, 0};
+    info_ = {"Lumifield", "replay", std::to_string(frames_.size()) + " frames", settings.address, 0, 0};
   }
 
   /// That every frame can be played back with these settings.
@@ -209,7 +209,7 @@ std::vector<DeviceReport> find_replay_cameras() { return {}; }
 DeviceReport probe_replay_camera(const CameraSettings& settings) {
   const Result<std::unique_ptr<Camera>> camera = open_replay_camera(settings);
   if (!camera) return {"camera", {}, settings.address, false, camera.error().message(), {}};
-  return {"camera", (*camera)->info().model, settings.address, true, {}, {}};
+  return {"camera", "replay of " + (*camera)->info().serial, settings.address, true, {}, {}};
 }
 
 }  // namespace lumifield
