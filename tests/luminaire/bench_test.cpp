@@ -78,6 +78,9 @@ TEST(Bench, ReturnsTheSameAfterWritingAndReading) {
   Bench bench = *parse_bench(documented, "bench.json");
   bench.name = "Prüfstand \"7\"";
   bench.camera.gain = 1.0 / 3;
+  bench.camera.packet_bytes = 0;
+  bench.camera.packet_delay_us = 2.5;
+  bench.camera.binning = 2;
   bench.stage.path = "/dev/ttyACM0";
   bench.stage.home = false;
   bench.stage.approach_mm = {0.5, -0.25};
@@ -91,6 +94,8 @@ TEST(Bench, ReturnsTheSameAfterWritingAndReading) {
   ASSERT_TRUE(read) << read.error().message();
   EXPECT_EQ(to_json(*read), once);
   EXPECT_EQ(read->camera.gain, bench.camera.gain);
+  EXPECT_EQ(read->camera.packet_delay_us, 2.5);
+  EXPECT_EQ(read->camera.binning, 2);
   EXPECT_EQ(read->stage.approach_mm, Vec2(0.5, -0.25));
   EXPECT_EQ(read->stage_carries, StageCarries::lamp);
   EXPECT_EQ(read->stage_to_luminaire.linear, bench.stage_to_luminaire.linear);
