@@ -14,10 +14,11 @@ struct CameraInfo {
   std::string vendor, model, serial, address;
   int sensor_width_px = 0, sensor_height_px = 0;
   double frame_wait_s = 0;  ///< beyond its exposure, of a camera that runs free; 0: CameraSettings::readout_s says it
+  std::string found = {};  ///< settings that were found at opening, as the bench file spells them
 };
 
-/// The role of a camera: one complete frame per call, exposed when asked. Thread-bound: opened, used and destroyed by the
-/// bench thread. Destroying one may block for seconds after the link was lost.
+/// The role of a camera: one complete frame per call, exposed when asked. Thread-bound: opened, used and destroyed by
+/// the bench thread. Destroying one may block for seconds after the link was lost.
 class Camera {
  public:
   virtual ~Camera() = default;
@@ -29,6 +30,10 @@ class Camera {
   /// Errors: no frame within the exposure + 300 ms, camera gone, exposure outside the camera's range.
   virtual Result<RawImage> expose(double exposure_s) = 0;
 
+  /// Where the stage stands, told before every exposure of a scan. Nothing to a camera that sees what is before it; one
+  /// that plays frames back gives those of that place.
+  virtual void tell_place(const Vec2& stage_mm) { (void)stage_mm; }
+
   /// Incomplete frames taken again since opening.
   virtual int frames_retaken() const = 0;
 };
@@ -39,8 +44,8 @@ Result<std::unique_ptr<Camera>> open_camera(const CameraSettings& settings);
 
 /// One line of `lumifield devices`.
 struct DeviceReport {
-  std::string role;      ///< "camera" | "stage"
-  std::string name;      ///< vendor model serial
+  std::string role;  ///< "camera" | "stage"
+  std::string name;  ///< vendor model serial
   std::string address;
   bool usable = false;
   std::string reason, remedy;  ///< why not and what to do

@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view format = "lumifield-bench";
 constexpr int version = 1;
 constexpr std::string_view camera_kinds[] = {"aravis", "v4l2", "replay"};
-constexpr std::string_view stage_kinds[] = {"grbl", "apt"};
+constexpr std::string_view stage_kinds[] = {"grbl", "apt", "replay"};
 constexpr std::string_view apt_controllers[] = {"kdc101", "bbd30x", "bsc20x"};
 constexpr std::string_view carried[] = {"slide", "lamp"};
 constexpr std::string_view changes[] = {"stage", "operator"};
@@ -28,7 +28,11 @@ CameraSettings read_camera(const JsonValue& at) {
   c.pixel_format = at["pixel_format"].text_or(c.pixel_format);
   c.gain = at["gain"].number_or(c.gain, {-1e6, 1e6});
   c.readout_s = at["readout_s"].number_or(c.readout_s, {0, 3600});
-  c.packet_bytes = at["packet_bytes"].integer_or(c.packet_bytes, 576, 65535);
+  c.packet_bytes = at["packet_bytes"].integer_or(c.packet_bytes, 0, 65535);
+  if (c.packet_bytes > 0 && c.packet_bytes < 576)
+    at["packet_bytes"].refuse("is out of range", "give 576 to 65535, or 0 to have it found");
+  c.packet_delay_us = at["packet_delay_us"].number_or(c.packet_delay_us, {0, 1e4});
+  c.binning = at["binning"].integer_or(c.binning, 1, 16);
   c.width_px = at["width_px"].integer_or(c.width_px, 0, 65536);
   c.height_px = at["height_px"].integer_or(c.height_px, 0, 65536);
   return c;
@@ -252,10 +256,16 @@ std::string to_json(const Bench& b) {
   json["format"] = format;
   json["version"] = version;
   json["name"] = b.name;
-  json["camera"] = {
-      {"kind", b.camera.kind},         {"address", b.camera.address},     {"pixel_format", b.camera.pixel_format},
-      {"gain", b.camera.gain},         {"readout_s", b.camera.readout_s}, {"packet_bytes", b.camera.packet_bytes},
-      {"width_px", b.camera.width_px}, {"height_px", b.camera.height_px}};
+  json["camera"] = {{"kind", b.camera.kind},
+                    {"address", b.camera.address},
+                    {"pixel_format", b.camera.pixel_format},
+                    {"gain", b.camera.gain},
+                    {"readout_s", b.camera.readout_s},
+                    {"packet_bytes", b.camera.packet_bytes},
+                    {"packet_delay_us", b.camera.packet_delay_us},
+                    {"binning", b.camera.binning},
+                    {"width_px", b.camera.width_px},
+                    {"height_px", b.camera.height_px}};
   json["stage"] = json_of(b.stage);
   json["stage_carries"] = b.stage_carries == StageCarries::slide ? "slide" : "lamp";
   const Eigen::Matrix2d& a = b.stage_to_luminaire.linear;

@@ -21,7 +21,9 @@ struct CameraSettings {
   std::string pixel_format = "Mono12";  ///< GenICam spelling
   double gain = 0;                      ///< dB; v4l2: the number of its gain control
   double readout_s = 0.02;              ///< from end of exposure to the frame in memory, for predictions
-  int packet_bytes = 8192;              ///< GigE Vision stream packet
+  int packet_bytes = 8192;              ///< GigE Vision stream packet; 0: the largest that passes is found
+  double packet_delay_us = 0;           ///< GigE Vision: pause between two packets; with packet_bytes 0 it is found too
+  int binning = 1;                      ///< aravis: columns and rows that become one; the picture is so much smaller
   int width_px = 0, height_px = 0;      ///< v4l2: of the picture; 0 = the largest that it offers
 };
 
@@ -37,8 +39,8 @@ struct AptSettings {
 };
 
 struct StageSettings {
-  std::string kind = "grbl";      ///< "grbl" | "apt"
-  std::string path;               ///< grbl: serial device
+  std::string kind = "grbl";      ///< "grbl" | "apt" | "replay"
+  std::string path;               ///< grbl: serial device; replay: a folder of frames
   double rapid_mm_s = 0;          ///< speed used for predictions; 0 = ask the controller. apt: set on it, too
   double acceleration_mm_s2 = 0;  ///< as the speed
   bool home = true;               ///< home before the scan

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "acquisition/cameras/aravis_discovery.h"
+#include "acquisition/cameras/aravis_packets.h"
 #include "acquisition/cameras/aravis_settings.h"
 #include "acquisition/cameras/aravis_stream.h"
 #include "acquisition/cameras/gvcp_probe.h"
@@ -26,7 +27,7 @@ using CameraHandle = std::unique_ptr<ArvCamera, Unref>;
 
 class AravisCamera final : public Camera {
  public:
-  AravisCamera(CameraHandle camera, std::string address, const CameraSettings& settings);
+  AravisCamera(CameraHandle camera, AravisAddress at, const CameraSettings& settings);
   ~AravisCamera() override;
 
   /// Applies the settings and starts the stream.
@@ -38,11 +39,15 @@ class AravisCamera final : public Camera {
 
  private:
   Status apply_exposure(double exposure_s);
+  Status set_packets();
   Status start_stream();
   Status pass_over_late_frames();
   Status check_alive();
   Status trigger();
   Status control_failure(const std::string& what, const GFault& fault);
+  std::string packets_name() const {
+    return info_.vendor + " " + info_.model + " " + info_.serial + " at " + info_.address;
+  }
   double frame_time_s() const { return exposure_s_ + settings_.readout_s + watchdog_s; }
 
   tl::unexpected<Error> error(std::string what, std::string remedy) const {
@@ -55,7 +60,7 @@ class AravisCamera final : public Camera {
 
   CameraHandle camera_;
   std::optional<AravisStream> stream_;
-  std::string ip_;
+  AravisAddress at_;
   CameraSettings settings_;
   CameraInfo info_;
   AppliedSettings applied_;
@@ -66,8 +71,8 @@ class AravisCamera final : public Camera {
   std::atomic<bool> control_lost_ = false;  // set by Aravis' heartbeat thread
 };
 
-AravisCamera::AravisCamera(CameraHandle camera, std::string address, const CameraSettings& settings)
-    : camera_(std::move(camera)), ip_(std::move(address)), settings_(settings) {
+AravisCamera::AravisCamera(CameraHandle camera, AravisAddress at, const CameraSettings& settings)
+    : camera_(std::move(camera)), at_(std::move(at)), settings_(settings) {
   const auto on_control_lost =
       +[](ArvDevice*, gpointer self) { static_cast<AravisCamera*>(self)->control_lost_ = true; };
   g_signal_connect(arv_camera_get_device(camera_.get()), "control-lost", G_CALLBACK(on_control_lost), this);
@@ -86,17 +91,26 @@ Status AravisCamera::start() {
   GFault fault;
   info_ = {text_or_empty(arv_camera_get_vendor_name(camera_.get(), fault.out())),
            text_or_empty(arv_camera_get_model_name(camera_.get(), fault.out())),
-           text_or_empty(arv_camera_get_device_serial_number(camera_.get(), fault.out())),
-           ip_,
-           0,
-           0};
-  if (fault) return error("does not tell who it is (" + fault.text() + ")", "check that it is a GigE Vision camera");
+           text_or_empty(arv_camera_get_device_serial_number(camera_.get(), fault.out())), at_.name};
+  if (fault) return error("does not tell who it is (" + fault.text() + ")", "check that it is a GenICam camera");
   const Result<AppliedSettings> applied = apply_settings(camera_.get(), settings_);
   if (!applied) return tl::unexpected(applied.error());
   applied_ = *applied;
   info_.sensor_width_px = applied_.width_px;
   info_.sensor_height_px = applied_.height_px;
+  if (Status chosen = set_packets(); !chosen) return chosen;
   return start_stream();
+}
+
+/// Others than GigE Vision cameras send no packets that could be chosen.
+Status AravisCamera::set_packets() {
+  if (at_.ipv4.empty()) return {};
+  const Result<StreamPackets> packets = choose_packets(camera_.get(), settings_, applied_, packets_name());
+  if (!packets) return tl::unexpected(packets.error());
+  if (settings_.packet_bytes == 0)
+    info_.found =
+        "\"packet_bytes\": " + std::to_string(packets->bytes) + ", \"packet_delay_us\": " + number(packets->delay_us);
+  return {};
 }
 
 Status AravisCamera::start_stream() {
@@ -123,7 +137,13 @@ Status AravisCamera::pass_over_late_frames() {
 Status AravisCamera::check_alive() {
   if (is_gone_) return gone("its link was lost before");
   if (control_lost_) return gone("control of it was lost");
-  const GvcpAnswer answer = probe_gvcp(ip_);
+  if (at_.ipv4.empty()) {
+    GFault fault;
+    guint32 version = 0;  // the first register of every bus
+    arv_device_read_register(arv_camera_get_device(camera_.get()), 0, &version, fault.out());
+    return fault ? gone("it does not answer (" + fault.text() + ")") : Status{};
+  }
+  const GvcpAnswer answer = probe_gvcp(at_.ipv4);
   if (answer.presence == GvcpPresence::refused) return gone("the host is there, but no camera on it");
   if (answer.presence == GvcpPresence::silent) return gone("it does not answer");
   if (!answer.controlled) return gone("it restarted, or another program released it");
@@ -183,25 +203,30 @@ Result<RawImage> AravisCamera::expose(double exposure_s) {
     ++incomplete;
     ++frames_retaken_;
   }
+  remember_packets(packets_name(), std::nullopt);  // found when the network was another
   return error(std::to_string(incomplete_limit + 1) + " incomplete frames in a row",
-               "check the network, lower packet_bytes, or raise net.core.rmem_max to 8 MiB");
+               "check cable and network, set packet_bytes to 0 to have it found, or raise net.core.rmem_max to 8 MiB");
 }
 
 }  // namespace
 
 Result<std::unique_ptr<Camera>> open_aravis_camera(const CameraSettings& settings) {
-  const Result<std::string> ip = aravis_address(settings.address);
-  if (!ip) return tl::unexpected(ip.error());
-  if (Status is_free = await_free(*ip, settings.address); !is_free) return tl::unexpected(is_free.error());
+  const Result<AravisAddress> at = aravis_address(settings.address);
+  if (!at) return tl::unexpected(at.error());
+  if (!at->ipv4.empty())
+    if (Status is_free = await_free(at->ipv4, settings.address); !is_free) return tl::unexpected(is_free.error());
 
   GFault fault;
-  CameraHandle handle(arv_camera_new(ip->c_str(), fault.out()));
+  CameraHandle handle(arv_camera_new(at->name.c_str(), fault.out()));
   if (!handle)
-    return fail("cannot be opened (" + fault.text() + ")", "camera " + settings.address, "switch it off and on");
+    return fail("cannot be opened (" + fault.text() + ")", "camera " + settings.address,
+                "close other programs that may use it, then switch it off and on");
   ArvDevice* const device = arv_camera_get_device(handle.get());
-  if (!ARV_IS_GV_DEVICE(device) || !arv_gv_device_is_controller(ARV_GV_DEVICE(device)))
-    return held_by_another(settings.address);
-  auto camera = std::make_unique<AravisCamera>(std::move(handle), *ip, settings);
+  const bool is_gige = ARV_IS_GV_DEVICE(device);
+  if (is_gige == at->ipv4.empty())
+    return fail("is another kind of camera than was found there", "camera " + settings.address, "open it again");
+  if (is_gige && !arv_gv_device_is_controller(ARV_GV_DEVICE(device))) return held_by_another(settings.address);
+  auto camera = std::make_unique<AravisCamera>(std::move(handle), *at, settings);
   if (Status started = camera->start(); !started) return tl::unexpected(started.error());
   return camera;
 }

@@ -6,12 +6,17 @@
 
 namespace lumifield {
 
-/// A GigE Vision camera through Aravis. Opened by its IPv4 address; a name (id or serial) is looked up first, 1 s.
+/// A GenICam camera through Aravis: GigE Vision, or USB3 Vision. A GigE Vision camera is opened by its IPv4 address; a
+/// name (id or serial) is looked up first, 1 s, and a name that several have is refused with the list of them. One on
+/// USB is opened by its id. Shown on GigE Vision, and without a network on Aravis' camera in process; no USB3 Vision
+/// camera has been tried.
 ///
-/// Opening applies pixel format, full region, gain, automatic exposure and gain off, software trigger, and reads them
-/// back; then the stream runs until the end, one trigger a frame. The stream packet is `packet_bytes`, or the largest
-/// the camera and the network take. A camera that another program holds is waited for once for 3.5 s: that long it
-/// stays held after a program died.
+/// Opening applies pixel format, binning, full region, gain, software trigger, everything automatic and every gamma off
+/// (aravis_automatics.h), and reads them back; then the stream runs until the end, one trigger a frame. Formats are
+/// those of pixel_layout.h, packed ones among them; colours that the camera makes up from its photosites, as RGB8, are
+/// refused. GigE Vision packets are `packet_bytes`, or the largest the camera and the network take, or found by test
+/// frames (aravis_packets.h), which `info().found` tells. A GigE Vision camera that another program holds is waited for
+/// once for 3.5 s: that long it stays held after a program died.
 ///
 /// A frame counts when it is complete, of the right format and size, and newer than the trigger. An incomplete one is
 /// taken again, five times at most. When nothing comes within the exposure + readout + 300 ms, the camera is asked

@@ -15,17 +15,21 @@ tl::unexpected<Error> not_there(const std::string& address, GvcpPresence presenc
               "camera " + address, "check cable, power and address; `lumifield devices` lists what answers");
 }
 
+bool is_gige(guint i) { return text_or_empty(arv_get_device_protocol(i)) == "GigEVision"; }
+
 DeviceReport report_of(guint i) {
   DeviceReport report;
   report.role = "camera";
   report.name = text_or_empty(arv_get_device_vendor(i)) + " " + text_or_empty(arv_get_device_model(i)) + " " +
                 text_or_empty(arv_get_device_serial_nbr(i));
+  if (!is_gige(i)) {
+    report.address = text_or_empty(arv_get_device_id(i));
+    report.usable = true;
+    return report;
+  }
   report.address = text_or_empty(arv_get_device_address(i));
   const GvcpAnswer answer = probe_gvcp(report.address);
-  if (text_or_empty(arv_get_device_protocol(i)) != "GigEVision") {
-    report.reason = "it does not speak GigE Vision";
-    report.remedy = "use a GigE Vision camera";
-  } else if (answer.presence != GvcpPresence::present) {
+  if (answer.presence != GvcpPresence::present) {
     report.reason = "it answers the discovery, but cannot be reached";
     report.remedy = "give it an address in the subnet of this computer's network card";
   } else if (answer.controlled) {
@@ -50,25 +54,35 @@ DeviceReport probe_aravis_camera(const CameraSettings& settings) {
   const auto unusable = [&](const Error& error) -> DeviceReport {
     return {"camera", {}, settings.address, false, error.what, error.remedy};
   };
-  const Result<std::string> ip = aravis_address(settings.address);
-  if (!ip) return unusable(ip.error());
+  const Result<AravisAddress> at = aravis_address(settings.address);
+  if (!at) return unusable(at.error());
   for (DeviceReport& report : find_aravis_cameras())
-    if (report.address == *ip) return std::move(report);
+    if (report.address == at->name) return std::move(report);
 
   // In another subnet no discovery reaches it.
-  const GvcpAnswer answer = probe_gvcp(*ip);
+  if (at->ipv4.empty()) return unusable(not_there(settings.address, GvcpPresence::silent).value());
+  const GvcpAnswer answer = probe_gvcp(at->ipv4);
   if (answer.presence != GvcpPresence::present) return unusable(not_there(settings.address, answer.presence).value());
   if (answer.controlled) return unusable(held_by_another(settings.address).value());
-  return {"camera", {}, *ip, true, {}, {}};
+  return {"camera", {}, at->ipv4, true, {}, {}};
 }
 
-Result<std::string> aravis_address(const std::string& name) {
-  if (is_ipv4_address(name)) return name;
+Result<AravisAddress> aravis_address(const std::string& name) {
+  if (is_ipv4_address(name)) return AravisAddress{name, name};
   arv_update_device_list();
-  for (guint i = 0; i < arv_get_n_devices(); ++i)
-    if (name == text_or_empty(arv_get_device_id(i)) || name == text_or_empty(arv_get_device_serial_nbr(i)))
-      if (const std::string ip = text_or_empty(arv_get_device_address(i)); is_ipv4_address(ip)) return ip;
-  return not_there(name, GvcpPresence::silent);
+  std::vector<AravisAddress> found;
+  std::string list;
+  for (guint i = 0; i < arv_get_n_devices(); ++i) {
+    const std::string id = text_or_empty(arv_get_device_id(i)), address = text_or_empty(arv_get_device_address(i));
+    if (name != id && name != text_or_empty(arv_get_device_serial_nbr(i))) continue;
+    found.push_back(is_gige(i) ? AravisAddress{address, address} : AravisAddress{id, ""});
+    list.append(list.empty() ? "" : ", ").append(id + (is_gige(i) ? " at " + address : ""));
+  }
+  if (found.empty()) return not_there(name, GvcpPresence::silent);
+  if (found.size() > 1)
+    return fail("is the name of " + std::to_string(found.size()) + " cameras: " + list, "camera " + name,
+                "give the id or the address of one of them");
+  return found.front();
 }
 
 Status await_free(const std::string& ip, const std::string& name) {

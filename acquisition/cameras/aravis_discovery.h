@@ -7,17 +7,26 @@
 
 namespace lumifield {
 
-/// Which GigE Vision cameras the network holds, and whether one may be opened. All functions block; otherwise
-/// reentrant.
+/// Which cameras Aravis finds, GigE Vision and USB3 Vision, and whether one may be opened. All functions block;
+/// otherwise reentrant.
 
-/// All cameras that answer a discovery, 1 s and 0.5 s for each that is out of reach.
+/// All cameras that answer a discovery, 1 s and 0.5 s for each that is out of reach. Whether another program holds a
+/// USB3 Vision camera shows only when it is opened.
 std::vector<DeviceReport> find_aravis_cameras();
 
 /// The camera at an address or of a name, by discovery or, in another subnet, by its address alone.
 DeviceReport probe_aravis_camera(const CameraSettings& settings);
 
-/// The IPv4 address behind a camera's id or serial number, 1 s; an address stands for itself.
-Result<std::string> aravis_address(const std::string& name);
+/// How a camera is reached.
+struct AravisAddress {
+  std::string name;  ///< for Aravis: an IPv4 address, or an id
+  std::string ipv4;  ///< of a GigE Vision camera; empty: of another, which has no network
+};
+
+/// Where the camera with this id or serial number is, 1 s; an IPv4 address stands for itself. A GigE Vision camera is
+/// then opened by its address: opened by its id, Aravis may reach it through another network card than its stream. Of
+/// cameras with one id, which no two should have, Aravis lists one: name such by address. Errors: none there, several.
+Result<AravisAddress> aravis_address(const std::string& name);
 
 /// Waits until no other program controls the camera, as long as one that died would hold it. `name` is the bench
 /// file's. Errors: none there, held by another program.

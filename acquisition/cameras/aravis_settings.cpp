@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <memory>
 
+#include "acquisition/cameras/aravis_automatics.h"
+
 namespace lumifield {
 namespace {
 
@@ -23,10 +25,11 @@ struct Applying {
   AppliedSettings applied;
 
   Status pixel_format();
+  Status binning();
   Status full_region();
+  Status automatics() { return switch_automatics_off(camera, settings); }
   Status gain();
   Status trigger();
-  Status packet_size();
 
   tl::unexpected<Error> error(std::string what, std::string remedy) const {
     return fail(std::move(what), "camera " + settings.address, std::move(remedy));
@@ -47,14 +50,42 @@ Status Applying::pixel_format() {
     is_offered |= wanted == names.get()[i];
   }
   if (fault) return refused(settings, "a question for its pixel formats", fault);
-  if (!is_offered) return error("does not offer the pixel format \"" + wanted + "\"", "choose one of " + usable);
+  const std::string remedy = usable.empty() ? "use a camera that gives its photosites" : "choose one of " + usable;
+  for (const char* family : {"RGB", "BGR", "YUV", "YCbCr"})
+    if (wanted.starts_with(family))
+      return error("gives in \"" + wanted + "\" colours made up from neighbouring photosites: no measurement", remedy);
+  if (!is_offered) return error("does not offer the pixel format \"" + wanted + "\"", remedy);
 
   arv_camera_set_pixel_format_from_string(camera, wanted.c_str(), fault.out());
   const std::string taken = text_or_empty(arv_camera_get_pixel_format_as_string(camera, fault.out()));
   applied.format = arv_camera_get_pixel_format(camera, fault.out());
   if (fault) return refused(settings, "the pixel format " + wanted, fault);
-  if (taken != wanted) return error("took the pixel format " + taken + " for " + wanted, "choose one of " + usable);
+  if (taken != wanted) return error("took the pixel format " + taken + " for " + wanted, remedy);
   applied.layout = *pixel_layout(wanted);
+  return {};
+}
+
+Status Applying::binning() {
+  GFault fault;
+  const int wanted = settings.binning;
+  if (!arv_camera_is_binning_available(camera, fault.out())) {
+    if (wanted == 1) return {};
+    return error("has no binning to set", "set \"binning\": 1 in the bench file");
+  }
+  gint low_x = 0, high_x = 0, low_y = 0, high_y = 0, columns = 0, rows = 0;
+  arv_camera_get_x_binning_bounds(camera, &low_x, &high_x, fault.out());
+  arv_camera_get_y_binning_bounds(camera, &low_y, &high_y, fault.out());
+  const std::string text = "a binning of " + std::to_string(wanted) + "x" + std::to_string(wanted);
+  if (!fault && (wanted < std::max(low_x, low_y) || wanted > std::min(high_x, high_y)))
+    return error(text + " is out of its range", "choose one from " + std::to_string(std::max(low_x, low_y)) + " to " +
+                                                    std::to_string(std::min(high_x, high_y)));
+  GFault ignored;  // a camera that does not take it may have it already: what is read back counts
+  arv_camera_set_binning(camera, wanted, wanted, ignored.out());
+  arv_camera_get_binning(camera, &columns, &rows, fault.out());
+  if (fault) return refused(settings, text, fault);
+  if (columns != wanted || rows != wanted)
+    return error("took a binning of " + std::to_string(columns) + "x" + std::to_string(rows) + " for " + text,
+                 "choose one that it offers");
   return {};
 }
 
@@ -80,8 +111,6 @@ Status Applying::full_region() {
 
 Status Applying::gain() {
   GFault fault;
-  if (arv_camera_is_gain_auto_available(camera, fault.out()))
-    arv_camera_set_gain_auto(camera, ARV_AUTO_OFF, fault.out());
   if (!arv_camera_is_gain_available(camera, fault.out())) {
     if (settings.gain == 0) return {};
     return error("has no gain to set", "set \"gain\": 0 in the bench file");
@@ -103,8 +132,6 @@ Status Applying::gain() {
 
 Status Applying::trigger() {
   GFault fault;
-  if (arv_camera_is_exposure_auto_available(camera, fault.out()))
-    arv_camera_set_exposure_time_auto(camera, ARV_AUTO_OFF, fault.out());
   if (arv_camera_is_feature_available(camera, "AcquisitionFrameRateEnable", fault.out()))
     arv_camera_set_boolean(camera, "AcquisitionFrameRateEnable", FALSE, fault.out());  // it would bound the exposure
   arv_camera_set_acquisition_mode(camera, ARV_ACQUISITION_MODE_CONTINUOUS, fault.out());
@@ -119,25 +146,6 @@ Status Applying::trigger() {
   return {};
 }
 
-Status Applying::packet_size() {
-  GFault fault;
-  gint64 low = 0, high = 0;
-  arv_camera_get_integer_bounds(camera, "GevSCPSPacketSize", &low, &high, fault.out());
-  const gint64 step = std::max<gint64>(1, arv_camera_get_integer_increment(camera, "GevSCPSPacketSize", fault.out()));
-  if (fault) return refused(settings, "a question for its packet size", fault);
-  if (settings.packet_bytes < low)
-    return error("a packet of " + std::to_string(settings.packet_bytes) + " bytes is too small",
-                 "set packet_bytes to " + std::to_string(low) + " or more");
-  const gint64 wanted = low + (std::min<gint64>(settings.packet_bytes, high) - low) / step * step;
-  arv_camera_gv_set_packet_size(camera, static_cast<gint>(wanted), fault.out());
-  if (fault) return refused(settings, "packets of " + std::to_string(wanted) + " bytes", fault);
-
-  // Creating the stream sends a test packet where the camera can, and finds the largest that passes if this one does
-  // not.
-  arv_camera_gv_set_packet_size_adjustment(camera, ARV_GV_PACKET_SIZE_ADJUSTMENT_ON_FAILURE);
-  return {};
-}
-
 }  // namespace
 
 GFault::~GFault() { g_clear_error(&error_); }
@@ -147,8 +155,8 @@ std::string GFault::text() const { return error_ == nullptr ? "" : error_->messa
 Result<AppliedSettings> apply_settings(ArvCamera* camera, const CameraSettings& settings) {
   Applying applying{camera, settings, {}};
   using Step = Status (Applying::*)();
-  for (const Step step :
-       {&Applying::pixel_format, &Applying::full_region, &Applying::gain, &Applying::trigger, &Applying::packet_size})
+  for (const Step step : {&Applying::pixel_format, &Applying::binning, &Applying::full_region, &Applying::automatics,
+                          &Applying::gain, &Applying::trigger})
     if (Status done = (applying.*step)(); !done) return tl::unexpected(done.error());
   return applying.applied;
 }

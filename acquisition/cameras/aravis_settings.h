@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -35,10 +36,14 @@ struct AppliedSettings {
   int width_px = 0, height_px = 0;
   double gain_db = 0;
   double shortest_s = 0, longest_s = 0;  ///< exposure range
+
+  std::size_t frame_bytes() const {
+    return layout.frame_bytes(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px));
+  }
 };
 
-/// Sets pixel format, full region, gain, automatics off, software trigger and packet size, and reads them back.
-/// Errors: a value that the camera does not offer, with those it does; one that it took otherwise.
+/// Sets pixel format, binning, full region, automatics off (aravis_automatics.h), gain and software trigger, and reads
+/// them back. Errors: a value that the camera does not offer, with those it does; one that it took otherwise.
 Result<AppliedSettings> apply_settings(ArvCamera* camera, const CameraSettings& settings);
 
 /// "camera does not take WHAT (its own words)".

@@ -11,10 +11,6 @@ constexpr int buffers = 4;
 constexpr int socket_bytes = 8 << 20;  // the kernel cuts it to net.core.rmem_max
 constexpr double us_per_s = 1e6;
 
-std::size_t frame_bytes(const AppliedSettings& applied) {
-  return static_cast<std::size_t>(applied.width_px) * applied.height_px * applied.layout.bytes_per_pixel();
-}
-
 }  // namespace
 
 void AravisStream::Unref::operator()(ArvStream* stream) const { g_object_unref(stream); }
@@ -24,15 +20,16 @@ Result<AravisStream> AravisStream::start(ArvCamera* camera, const CameraSettings
   GFault fault;
   const guint payload = arv_camera_get_payload(camera, fault.out());
   if (fault) return refused(settings, "a question for its frame size", fault);
-  if (payload < frame_bytes(applied) || payload > 2 * frame_bytes(applied) + (1 << 20))
+  if (payload < applied.frame_bytes() || payload > 2 * applied.frame_bytes() + (1 << 20))
     return fail("announces frames of " + std::to_string(payload) + " bytes", "camera " + settings.address,
                 "switch chunk data off in the camera");
 
   AravisStream stream(applied);
   stream.stream_.reset(arv_camera_create_stream(camera, nullptr, nullptr, fault.out()));
   if (!stream.stream_) return refused(settings, "a stream", fault);
-  g_object_set(stream.stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
-               socket_bytes, nullptr);
+  if (ARV_IS_GV_STREAM(stream.stream_.get()))
+    g_object_set(stream.stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
+                 socket_bytes, nullptr);
   for (int i = 0; i < buffers; ++i) arv_stream_push_buffer(stream.stream_.get(), arv_buffer_new(payload, nullptr));
   arv_camera_start_acquisition(camera, fault.out());
   if (fault) return refused(settings, "a start of the acquisition", fault);
@@ -80,7 +77,7 @@ std::optional<RawImage> AravisStream::image_of(ArvBuffer* buffer) const {
     return std::nullopt;
   std::size_t size = 0;
   const auto* bytes = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size));
-  if (size < frame_bytes(applied_)) return std::nullopt;
+  if (size < applied_.frame_bytes()) return std::nullopt;
 
   RawImage image;
   image.width_px = applied_.width_px;

@@ -1,6 +1,7 @@
 #include "acquisition/camera.h"
 #include "acquisition/cameras/aravis_camera.h"
 #include "acquisition/cameras/aravis_discovery.h"
+#include "acquisition/cameras/replay_camera.h"
 #include "acquisition/cameras/v4l2_camera.h"
 
 namespace lumifield {
@@ -17,10 +18,12 @@ struct CameraKind {
 // A new kind is a file beside this one and a line here.
 constexpr CameraKind kinds[] = {
     {"aravis", open_aravis_camera, find_aravis_cameras, probe_aravis_camera,
-     "let sockets hold a frame (net.core.rmem_max, see docs/endurance.md), give the camera a network card of its own, or "
+     "let sockets hold a frame (net.core.rmem_max, see docs/endurance.md), give the camera a network card of its own, "
+     "or "
      "make packet_bytes smaller"},
     {"v4l2", open_v4l2_camera, find_v4l2_cameras, probe_v4l2_camera,
      "take other devices off its bus, take another cable or port, or choose a smaller picture"},
+    {"replay", open_replay_camera, find_replay_cameras, probe_replay_camera, "copy the folder anew"},
 };
 
 Result<CameraKind> kind_of(const CameraSettings& settings) {

@@ -11,20 +11,26 @@
 
 namespace lumifield {
 
-/// How a GenICam pixel format lies in memory: one photosite in 8 bits, or right-aligned in 16, little endian. Packed
-/// formats are not taken: every camera that offers one offers its unpacked twin.
-/// Source: EMVA Pixel Format Naming Convention 2.0. Value type.
+/// How a GenICam pixel format lies in memory: one photosite in 8 bits; right-aligned in 16, little endian; two in three
+/// bytes, GigE Vision's own packing: the high bits of the first, both low ones (the first's in bits 0 …, the second's
+/// in 4 …), the high bits of the second; or bit after bit, lowest first, from row to row.
+/// Source: EMVA Pixel Format Naming Convention 2.1; GigE Vision 1.2, "Packed" formats. Value type.
 struct PixelLayout {
+  enum class Packing { whole_bytes, pairs, lsb_first };
+
   int bits = 8;
   SensorPattern pattern = SensorPattern::mono;
+  Packing packing = Packing::whole_bytes;
 
-  std::size_t bytes_per_pixel() const { return bits > 8 ? 2 : 1; }
+  std::size_t bits_per_pixel() const;
+  std::size_t frame_bytes(std::size_t pixels) const { return (pixels * bits_per_pixel() + 7) / 8; }
 };
 
-/// `Mono8` … `Mono16`, `BayerRG8` … `BayerBG16`; nothing for other formats.
+/// `Mono8` … `Mono16`, `BayerRG8` … `BayerBG16`, and of those with 10 and 12 bits `Mono12Packed` and `Mono12p`; nothing
+/// for other formats.
 std::optional<PixelLayout> pixel_layout(std::string_view genicam_name);
 
-/// DN of all pixels; `bytes` has at least pixels · bytes_per_pixel().
+/// DN of all pixels; `bytes` has at least frame_bytes(pixels).
 std::vector<std::uint16_t> unpack(std::span<const std::uint8_t> bytes, std::size_t pixels, const PixelLayout& layout);
 
 }  // namespace lumifield

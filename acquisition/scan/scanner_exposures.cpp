@@ -45,6 +45,7 @@ Status Scanner::adapt(Bracket& bracket, const Vec2& stage_mm, const std::string&
 
 Result<RawImage> Scanner::expose_at(double exposure_s, const Vec2& stage_mm, const std::string& place) {
   if (end_.stop_requested()) return scan_stopped();
+  camera().tell_place(stage_mm);
   Result<RawImage> frame = expose_frame(exposure_s);
   if (!frame) return blame(Culprit::camera, place, std::move(frame).error());
   frame->stage_mm = stage_mm;

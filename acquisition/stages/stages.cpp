@@ -1,6 +1,7 @@
 #include "acquisition/stage.h"
 #include "acquisition/stages/apt_stage.h"
 #include "acquisition/stages/grbl_stage.h"
+#include "acquisition/stages/replay_stage.h"
 
 namespace lumifield {
 namespace {
@@ -16,6 +17,7 @@ struct StageKind {
 constexpr StageKind kinds[] = {
     {"grbl", open_grbl_stage, find_grbl_stages, probe_grbl_stage},
     {"apt", open_apt_stage, find_apt_stages, probe_apt_stage},
+    {"replay", open_replay_stage, find_replay_stages, probe_replay_stage},
 };
 
 Result<StageKind> kind_of(const StageSettings& settings) {

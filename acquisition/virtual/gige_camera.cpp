@@ -16,10 +16,13 @@
 #include <sys/socket.h>
 #include <thread>
 #include <unistd.h>
+#include <vector>
+
+#include "acquisition/virtual/gige_description.h"
+#include "acquisition/virtual/gige_pixels.h"
+#include "acquisition/virtual/gige_processing.h"
 
 namespace lumifield::virtual_bench {
-
-extern const char* const virtual_camera_xml;
 
 namespace {
 
@@ -29,17 +32,25 @@ using std::chrono::milliseconds;
 // Registers of resources/virtual-camera.xml, and those of GigE Vision's bootstrap area.
 namespace registers {
 constexpr guint32 trigger_mode = 0x2000, trigger_source = 0x2004, trigger_software = 0x2008;
-constexpr guint32 exposure_time = 0x2010, gain = 0x2018, sensor_format = 0x2020;
-constexpr guint32 vendor = 0x48, model = 0x68, stream_packet_size = 0xd04,
-                  stream_port = 0xd00;
+constexpr guint32 exposure_time = 0x2010, gain = 0x2018;
+constexpr guint32 binning_horizontal = 0x2030, binning_vertical = 0x2034;
+constexpr guint32 exposure_auto = 0x2040, gain_auto = 0x2044, black_level_auto = 0x2048, balance_white_auto = 0x204c;
+constexpr guint32 gamma_enable = 0x2050, gamma = 0x2058, lut_enable = 0x2060;
+constexpr guint32 vendor = 0x48, model = 0x68, stream_packet_size = 0xd04, stream_port = 0xd00;
 }  // namespace registers
 constexpr guint32 name_bytes = 32, serial_bytes = 16;
 constexpr guint16 gvcp_port = 3956;
 constexpr double shortest_exposure_us = 10, longest_exposure_us = 1e7;
 
-const std::map<std::string, ArvPixelFormat> formats = {{"Mono12", ARV_PIXEL_FORMAT_MONO_12},
-                                                       {"Mono16", ARV_PIXEL_FORMAT_MONO_16},
-                                                       {"BayerRG12", ARV_PIXEL_FORMAT_BAYER_RG_12}};
+struct Automatic {
+  const char* feature;
+  guint32 address, on;
+};
+constexpr Automatic automatics[] = {
+    {"ExposureAuto", registers::exposure_auto, 2},      {"GainAuto", registers::gain_auto, 2},
+    {"BlackLevelAuto", registers::black_level_auto, 2}, {"BalanceWhiteAuto", registers::balance_white_auto, 2},
+    {"GammaEnable", registers::gamma_enable, 1},        {"LUTEnable", registers::lut_enable, 1}};
+constexpr double factory_gamma = 0.45, automatic_exposure_us = 20000, automatic_gain_db = 6;
 
 // The simulator says that it runs when its port is taken: this asks the kernel first.
 Status check_address(const std::string& address) {
@@ -62,18 +73,28 @@ Status check_address(const std::string& address) {
 }
 
 // The simulator reads its description from a file, once, while it starts: one that is in memory only. -1 on failure.
-int open_description() {
+int open_description(const std::string& xml) {
   const int file = memfd_create("virtual-camera.xml", MFD_CLOEXEC);
-  const auto size = ssize_t(std::strlen(virtual_camera_xml));
-  if (file >= 0 && write(file, virtual_camera_xml, std::size_t(size)) == size) return file;
+  if (file >= 0 && write(file, xml.data(), xml.size()) == ssize_t(xml.size())) return file;
   if (file >= 0) close(file);
   return -1;
+}
+
+double gamma_at_start(const GigeCameraOptions& options) { return options.automatics ? factory_gamma : 1; }
+
+std::map<std::string, double> stuck_values(const GigeCameraOptions& options) {
+  std::map<std::string, double> values;
+  for (const std::string& feature : options.stuck) values[feature] = gamma_at_start(options);
+  for (const Automatic& each : automatics)
+    if (values.contains(each.feature)) values[each.feature] = options.automatics ? each.on : 0;
+  return values;
 }
 
 }  // namespace
 
 struct GigeCamera::Impl {
   GigeCameraOptions options;
+  GigePixelFormat format;
   Sight sight;
   std::atomic<bool> frozen = false;
   std::atomic<std::uint64_t> sent = 0;
@@ -119,13 +140,13 @@ struct GigeCamera::Impl {
     set_text(registers::vendor, name_bytes, "Lumifield");
     set_text(registers::model, name_bytes, "Virtual");
     const guint32 width = guint32(options.width_px), height = guint32(options.height_px);
-    const guint32 format = formats.at(options.pixel_format);
     const std::pair<guint32, guint32> values[] = {{ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, width},
                                                   {ARV_FAKE_CAMERA_REGISTER_SENSOR_HEIGHT, height},
                                                   {ARV_FAKE_CAMERA_REGISTER_WIDTH, width},
                                                   {ARV_FAKE_CAMERA_REGISTER_HEIGHT, height},
-                                                  {ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT, format},
-                                                  {registers::sensor_format, format},
+                                                  {ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT, format.code},
+                                                  {registers::binning_horizontal, 1},
+                                                  {registers::binning_vertical, 1},
                                                   {registers::trigger_mode, 0},
                                                   {registers::trigger_source, 1},
                                                   {registers::stream_packet_size, 8192},
@@ -135,7 +156,30 @@ struct GigeCamera::Impl {
     for (const auto& [address, value] : values) set(address, value);
     set_double(registers::exposure_time, 10000);
     set_double(registers::gain, 0);
+    set_double(registers::gamma, gamma_at_start(options));
+    for (const Automatic& each : automatics) set(each.address, options.automatics ? each.on : 0);
     arv_fake_camera_set_trigger_frequency(camera, 1000);
+  }
+
+  GigeProcessing processing() const {
+    return {.gamma = get(registers::gamma_enable) != 0 ? get_double(registers::gamma) : 1,
+            .table = get(registers::lut_enable) != 0,
+            .white_balance = get(registers::balance_white_auto) != 0,
+            .black_level = get(registers::black_level_auto) != 0};
+  }
+
+  // The region, binned.
+  std::vector<std::uint16_t> photosites(Exposure exposure, int width, int height) const {
+    const int columns = int(get(registers::binning_horizontal)), rows = int(get(registers::binning_vertical));
+    exposure.width_px = width * columns, exposure.height_px = height * rows;
+    exposure.offset_x_px = int(get(ARV_FAKE_CAMERA_REGISTER_X_OFFSET)) * columns;
+    exposure.offset_y_px = int(get(ARV_FAKE_CAMERA_REGISTER_Y_OFFSET)) * rows;
+    std::vector<std::uint16_t> dn(std::size_t(exposure.width_px) * std::size_t(exposure.height_px));
+    sight.expose(exposure, dn);
+    if (columns * rows == 1) return dn;
+    std::vector<std::uint16_t> binned(std::size_t(width) * std::size_t(height));
+    bin(dn, columns, rows, width, binned);
+    return binned;
   }
 
   // Server thread: the simulator wants pixels.
@@ -145,14 +189,13 @@ struct GigeCamera::Impl {
       const std::lock_guard lock(mutex);
       exposure = latched;
     }
-    exposure.width_px = arv_buffer_get_image_width(buffer);
-    exposure.height_px = arv_buffer_get_image_height(buffer);
-    exposure.offset_x_px = int(get(ARV_FAKE_CAMERA_REGISTER_X_OFFSET));
-    exposure.offset_y_px = int(get(ARV_FAKE_CAMERA_REGISTER_Y_OFFSET));
     std::size_t bytes = 0;
-    auto* dn = static_cast<std::uint16_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &bytes)));
-    sight.expose(exposure, {dn, std::size_t(exposure.width_px) * std::size_t(exposure.height_px)});
-    ++sent;
+    auto* data = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &bytes)));
+    const int width = arv_buffer_get_image_width(buffer), height = arv_buffer_get_image_height(buffer);
+    std::vector<std::uint16_t> dn = photosites(exposure, width, height);
+    const std::uint64_t frame = ++sent;
+    if (const GigeProcessing now = processing(); now.changes()) now.apply(dn, width, format.bits, frame);
+    pack(dn, format, {data, (dn.size() * std::size_t(format.bits_per_pixel()) + 7) / 8});
     const std::lock_guard lock(mutex);
     pending = false;
     read_out.notify_all();
@@ -170,12 +213,15 @@ struct GigeCamera::Impl {
   }
 
   void expose(std::stop_token stop) {
-    const double exposure_us = get_double(registers::exposure_time);
+    const double exposure_us =
+        get(registers::exposure_auto) != 0 ? automatic_exposure_us : get_double(registers::exposure_time);
     if (!(exposure_us >= shortest_exposure_us && exposure_us <= longest_exposure_us)) return;
     const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                         std::chrono::duration<double, std::micro>(exposure_us));
     const Exposure exposure{
-        .stage_mm = sight.stage_mm(), .exposure_s = exposure_us * 1e-6, .gain_db = get_double(registers::gain)};
+        .stage_mm = sight.stage_mm(),
+        .exposure_s = exposure_us * 1e-6,
+        .gain_db = get(registers::gain_auto) != 0 ? automatic_gain_db : get_double(registers::gain)};
     const guint32 port = get(registers::stream_port);
     sight.wait_ready(exposure.stage_mm);
     if (get(registers::stream_port) != port) return;
@@ -199,17 +245,18 @@ struct GigeCamera::Impl {
 };
 
 Result<std::unique_ptr<GigeCamera>> GigeCamera::start(const GigeCameraOptions& options, Sight sight) {
-  if (!formats.contains(options.pixel_format))
-    return fail("pixel format unknown", options.pixel_format, "give Mono12, Mono16 or BayerRG12");
+  const auto format = gige_pixel_format(options.pixel_format);
+  if (!format) return fail("pixel format unknown", options.pixel_format, "give one such as Mono12 or BayerRG12p");
   if (options.serial.empty() || options.serial.size() >= serial_bytes)
     return fail("the serial number must have 1 to 15 characters", options.serial);
   if (auto free = check_address(options.address); !free) return tl::unexpected(free.error());
-  const int description = open_description();
+  const int description = open_description(gige_description(options.pixel_format, stuck_values(options)));
   if (description < 0) return fail(std::string("no memory for the camera's description: ") + std::strerror(errno), "");
   const std::string description_path = "/proc/self/fd/" + std::to_string(description);
 
   auto impl = std::make_unique<Impl>();
   impl->options = options;
+  impl->format = *format;
   impl->sight = std::move(sight);
   impl->server.reset(ARV_GV_FAKE_CAMERA(g_object_new(
       ARV_TYPE_GV_FAKE_CAMERA, "interface-name", options.address.c_str(), "serial-number", options.serial.c_str(),

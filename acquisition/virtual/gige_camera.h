@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "acquisition/virtual/sight.h"
 #include "luminaire/error.h"
@@ -12,14 +13,17 @@ namespace lumifield::virtual_bench {
 struct GigeCameraOptions {
   std::string address = "127.0.0.1";    ///< of a network interface of this machine
   std::string serial = "LF0001";        ///< at most 15 characters
-  std::string pixel_format = "Mono12";  ///< the one the sensor delivers: "Mono12" | "Mono16" | "BayerRG12"
+  std::string pixel_format = "Mono12";  ///< the one the sensor delivers, of gige_pixels.h
   int width_px = 1024, height_px = 768;
-  double lost_packet_ratio = 0;  ///< share of stream packets that are not sent, 0…1
+  double lost_packet_ratio = 0;         ///< share of stream packets that are not sent, 0…1
+  bool automatics = false;              ///< on at the start, as cameras come from the factory, with a gamma of 0.45
+  std::vector<std::string> stuck = {};  ///< of the automatics and Gamma: keep the value of the start
 };
 
 /// A GigE Vision camera (GVCP on port 3956, GVSP) on one address of this machine: Aravis' simulator with our GenICam
-/// description. Features: Width, Height, OffsetX, OffsetY (even), PixelFormat, ExposureTime (µs), Gain (dB),
-/// TriggerMode, TriggerSource = Software, TriggerSoftware.
+/// description. Features: Width, Height, OffsetX, OffsetY (even), BinningHorizontal, BinningVertical (1 … 4, means),
+/// PixelFormat, ExposureTime (µs), Gain (dB), TriggerMode, TriggerSource = Software, TriggerSoftware. ExposureAuto,
+/// GainAuto, BlackLevelAuto, BalanceWhiteAuto, GammaEnable with Gamma, and LUTEnable each spoil the frames while on.
 ///
 ///     armed ── TriggerSoftware ──▶ exposing ── exposure time over and image computed ──▶ read out ──▶ armed
 ///

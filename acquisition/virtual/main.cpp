@@ -182,6 +182,7 @@ void make_camera_of(Options& options, Devices& devices, const std::filesystem::p
     camera.width_px = world.width_px, camera.height_px = world.height_px;
   };
   look_at_world(options.camera);
+  options.camera.automatics = true;
   look_at_world(options.video);
   options.video.folder = folder / "video";
   const Sight sight{.stage_mm = [&] { return devices.exposed_at(); },

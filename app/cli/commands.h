@@ -20,6 +20,7 @@ int report_error(const Error& error, bool json);
 
 struct ScanOptions {
   std::string bench, plan, out, preview, pictures;
+  std::string record;  ///< folder for all frames, to be played back; empty: none
   std::string size = "1024x768";
   double exposure = default_exposure;
   bool resume = false, accept_drift = false, json = false;

@@ -8,6 +8,7 @@
 #include "app/cli/noted_files.h"
 #include "app/cli/scan_report.h"
 #include "app/cli/stop_on_signal.h"
+#include "app/session/scan_recording.h"
 #include "app/session/scan_session.h"
 #include "luminaire/bench.h"
 #include "luminaire/plan.h"
@@ -83,6 +84,13 @@ int run_scan(const ScanOptions& options) {
   if (request->preview)
     if (Status prepared = prepare_folder(pictures); !prepared) return report_error(prepared.error(), options.json);
 
+  std::shared_ptr<FrameRecording> recording;
+  if (!options.record.empty()) {
+    auto made = record_frames(*request, options.record);
+    if (!made) return report_error(made.error(), options.json);
+    recording = std::move(*made);
+  }
+
   const sigset_t signals = StopOnSignal::block();
   auto session = ScanSession::start(std::move(*request));
   if (!session) return report_error(session.error(), options.json);
@@ -105,13 +113,16 @@ int run_scan(const ScanOptions& options) {
   watcher.reset();
 
   auto summary = (*session)->wait();
+  if (recording) line.say(std::to_string(recording->frames()) + " frames are recorded in " + options.record);
+  const bool recording_failed = recording && recording->error();
+  if (recording_failed) line.say("lumifield: the recording ended early: " + recording->error()->message());
   if (!summary) {
     line.end();
     return report_error(summary.error(), options.json);
   }
   line.done(*summary);
   std::fputs((options.json ? summary_json(*summary) + "\n" : summary_text(*summary)).c_str(), stdout);
-  return picture_error ? exit_failed : exit_done;
+  return picture_error || recording_failed ? exit_failed : exit_done;
 }
 
 }  // namespace lumifield

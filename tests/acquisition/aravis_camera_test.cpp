@@ -15,7 +15,6 @@
 #include <thread>
 #include <unistd.h>
 
-#include "acquisition/cameras/pixel_layout.h"
 #include "acquisition/virtual/gige_camera.h"
 #include "tests/support/camera_test.h"
 #include "tests/support/own_network.h"
@@ -124,32 +123,50 @@ TEST_F(AravisCamera, FramesAreBitExactAndNewerThanTheirTrigger) {
   EXPECT_EQ(camera->frames_retaken(), 0);
 }
 
-/// The built-in description without AcquisitionStop, so that stopping fails.
-std::string description_without_stop() {
+/// The built-in description in which no feature has that name.
+std::string description_without(const std::string& feature) {
   ArvFakeCamera* camera = arv_fake_camera_new("D0");
   std::size_t size = 0;
   const char* text = arv_fake_camera_get_genicam_xml(camera, &size);
   std::string description(text, size);
   g_object_unref(camera);
-  const std::string name = "Name=\"AcquisitionStop\"";
+  const std::string name = "Name=\"" + feature + "\"";
   const std::size_t at = description.find(name);
   EXPECT_NE(at, std::string::npos);
-  if (at != std::string::npos) description.replace(at, name.size(), "Name=\"AcquisitionHalt\"");
+  if (at != std::string::npos) description.replace(at, name.size(), "Name=\"None\"");
   return description;
 }
 
-TEST_F(AravisCamera, MayRefuseToStopWhileIdle) {
-  const std::filesystem::path file =
-      std::filesystem::path(testing::TempDir()) / ("no_stop_" + std::to_string(getpid()) + ".xml");
-  std::ofstream(file) << description_without_stop();
-  {
-    GigeDouble server(0, 1000, file.c_str());
-    const auto camera = open(settings());
-    ASSERT_NE(camera, nullptr);
-    EXPECT_EQ(camera->info().serial, "D1");
-    EXPECT_TRUE(camera->expose(0.002));
+/// A description in a file, as the double reads it.
+class DescriptionFile {
+ public:
+  explicit DescriptionFile(const std::string& description)
+      : file_(std::filesystem::path(testing::TempDir()) / ("camera_" + std::to_string(getpid()) + ".xml")) {
+    std::ofstream(file_) << description;
   }
-  std::filesystem::remove(file);
+  ~DescriptionFile() { std::filesystem::remove(file_); }
+  const char* name() const { return file_.c_str(); }
+
+ private:
+  std::filesystem::path file_;
+};
+
+TEST_F(AravisCamera, MayRefuseToStopWhileIdle) {
+  const DescriptionFile file(description_without("AcquisitionStop"));
+  GigeDouble server(0, 1000, file.name());
+  const auto camera = open(settings());
+  ASSERT_NE(camera, nullptr);
+  EXPECT_EQ(camera->info().serial, "D1");
+  EXPECT_TRUE(camera->expose(0.002));
+}
+
+TEST_F(AravisCamera, WithoutBinningIsTakenAsItIs) {
+  const DescriptionFile file(description_without("BinningHorizontal"));
+  GigeDouble server(0, 1000, file.name());
+  EXPECT_NE(open(settings()), nullptr);
+  CameraSettings binned = settings();
+  binned.binning = 2;
+  EXPECT_THAT(refusal(binned), HasSubstr("has no binning to set; set \"binning\": 1"));
 }
 
 TEST_F(AravisCamera, TakesFormatAndGainFromTheSettings) {
@@ -178,7 +195,9 @@ TEST_F(AravisCamera, RefusesWhatTheCameraDoesNotTake) {
   GigeDouble server;
   EXPECT_THAT(refusal(settings("Mono12")),
               testing::AllOf(HasSubstr("\"Mono12\""), HasSubstr("Mono8"), HasSubstr("Mono16")));
-  EXPECT_THAT(refusal(settings("RGB8")), HasSubstr("\"RGB8\"")) << "offered, but no image of single photosites";
+  EXPECT_THAT(
+      refusal(settings("RGB8")),
+      testing::AllOf(HasSubstr("\"RGB8\" colours made up from neighbouring photosites"), HasSubstr("BayerRG8")));
   CameraSettings loud = settings();
   loud.gain = 11;
   EXPECT_THAT(refusal(loud), HasSubstr("from 0 to 10 dB"));
@@ -375,20 +394,6 @@ TEST(Cameras, AnUnknownKindListsTheKnownOnes) {
   ASSERT_FALSE(camera);
   EXPECT_THAT(camera.error().message(), HasSubstr("\"pinhole\""));
   EXPECT_THAT(camera.error().remedy, HasSubstr("aravis"));
-}
-
-TEST(PixelLayout, KnowsUnpackedFormatsOnly) {
-  EXPECT_EQ(pixel_layout("Mono12")->bits, 12);
-  EXPECT_EQ(pixel_layout("BayerRG12")->pattern, SensorPattern::rggb);
-  EXPECT_EQ(pixel_layout("BayerGB10")->pattern, SensorPattern::gbrg);
-  for (const char* name : {"", "Mono", "Mono12Packed", "Mono12p", "RGB8", "BayerRG", "mono8", "Mono9", "Bayer8"})
-    EXPECT_FALSE(pixel_layout(name)) << name;
-}
-
-TEST(PixelLayout, UnpacksLittleEndian) {
-  const std::array<std::uint8_t, 4> bytes{0x34, 0x02, 0xff, 0x0f};
-  EXPECT_THAT(unpack(bytes, 2, {12, SensorPattern::mono}), testing::ElementsAre(0x234, 0xfff));
-  EXPECT_THAT(unpack(bytes, 4, {8, SensorPattern::mono}), testing::ElementsAre(0x34, 0x02, 0xff, 0x0f));
 }
 
 }  // namespace

@@ -160,8 +160,10 @@ class GigeCameraTest : public testing::Test {
  protected:
   static void SetUpTestSuite() { own_network(); }
 
-  void serve(const char* format, double loss = 0) {
-    auto camera = GigeCamera::start({.pixel_format = format, .lost_packet_ratio = loss}, world_.sight());
+  void serve(const char* format, double loss = 0, bool automatics = false) {
+    camera_.reset();
+    auto camera = GigeCamera::start({.pixel_format = format, .lost_packet_ratio = loss, .automatics = automatics},
+                                    world_.sight());
     ASSERT_TRUE(camera) << camera.error().message();
     camera_ = std::move(*camera);
   }
@@ -198,7 +200,6 @@ TEST_F(GigeCameraTest, SaysWhoItIsAndOffersItsSensorsFormatOnly) {
 
 TEST_F(GigeCameraTest, DeliversTheWorldsPixelsBitExactly) {
   for (const char* format : {"Mono12", "Mono16", "BayerRG12"}) {
-    camera_.reset();
     serve(format);
     Client client;
     ASSERT_TRUE(client.set_format(format));
@@ -230,6 +231,57 @@ TEST_F(GigeCameraTest, ReadsOutARegion) {
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->width_px, 640);
   EXPECT_TRUE(frame->dn == expected({world_.stage_mm, 0.001, 0, 640, 480, 100, 40}));
+}
+
+TEST_F(GigeCameraTest, AveragesWhatIsBinned) {
+  serve("Mono12");
+  Client client;
+  GError* error = nullptr;
+  arv_camera_set_binning(client.camera(), 2, 3, &error);
+  ASSERT_EQ(error, nullptr) << error->message;
+  int low = 0, high = 0;
+  arv_camera_get_width_bounds(client.camera(), &low, &high, nullptr);
+  EXPECT_EQ(high, 512);
+  arv_camera_set_region(client.camera(), 10, 20, 100, 50, nullptr);
+  client.expose_for(1000, 0);
+  client.start();
+  const auto frame = client.trigger_until_complete();
+  ASSERT_TRUE(frame);
+  ASSERT_EQ(frame->width_px, 100);
+  ASSERT_EQ(frame->height_px, 50);
+  const std::vector<std::uint16_t> sites = expected({world_.stage_mm, 0.001, 0, 200, 150, 20, 60});
+  for (std::size_t y = 0; y < 50; ++y)
+    for (std::size_t x = 0; x < 100; ++x) {
+      unsigned sum = 0;
+      for (std::size_t k = 0; k < 6; ++k) sum += sites[(3 * y + k / 2) * 200 + 2 * x + k % 2];
+      ASSERT_EQ(frame->dn[100 * y + x], sum / 6) << x << ", " << y;
+    }
+}
+
+TEST_F(GigeCameraTest, EachAutomaticSpoilsTheFrames) {
+  const char* const features[] = {"ExposureAuto", "GainAuto", "BlackLevelAuto", "BalanceWhiteAuto", "LUTEnable",
+                                  "GammaEnable",  "none"};
+  for (const char* left_on : features) {
+    serve("Mono12", 0, true);
+    Client client;
+    for (const char* feature : features) {
+      if (feature == std::string("none") || feature == std::string(left_on)) continue;
+      const bool is_choice = std::string(feature).ends_with("Auto");
+      GError* error = nullptr;
+      if (is_choice)
+        arv_camera_set_string(client.camera(), feature, "Off", &error);
+      else
+        arv_camera_set_boolean(client.camera(), feature, FALSE, &error);
+      ASSERT_EQ(error, nullptr) << error->message;
+    }
+    arv_camera_set_region(client.camera(), 0, 0, 64, 48, nullptr);
+    client.expose_for(3000, 1);
+    client.start();
+    const auto frame = client.trigger_until_complete();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->dn == expected({world_.stage_mm, 0.003, 1, 64, 48, 0, 0}), left_on == std::string("none"))
+        << left_on;
+  }
 }
 
 TEST_F(GigeCameraTest, BoundsTheRegionByTheSensor) {
@@ -358,7 +410,7 @@ TEST_F(GigeCameraTest, SaysThatTheAddressIsHeld) {
 TEST_F(GigeCameraTest, RefusesWhatCannotBe) {
   EXPECT_FALSE(GigeCamera::start({.address = "no address"}, world_.sight()));
   EXPECT_FALSE(GigeCamera::start({.address = "203.0.113.7"}, world_.sight()));
-  EXPECT_FALSE(GigeCamera::start({.pixel_format = "Mono8"}, world_.sight()));
+  EXPECT_FALSE(GigeCamera::start({.pixel_format = "RGB8"}, world_.sight()));
   EXPECT_FALSE(GigeCamera::start({.serial = "0123456789abcdef"}, world_.sight()));
 }
 

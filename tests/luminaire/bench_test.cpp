@@ -78,6 +78,9 @@ TEST(Bench, ReturnsTheSameAfterWritingAndReading) {
   Bench bench = *parse_bench(documented, "bench.json");
   bench.name = "Prüfstand \"7\"";
   bench.camera.gain = 1.0 / 3;
+  bench.camera.packet_bytes = 0;
+  bench.camera.packet_delay_us = 2.5;
+  bench.camera.binning = 2;
   bench.stage.path = "/dev/ttyACM0";
   bench.stage.home = false;
   bench.stage.approach_mm = {0.5, -0.25};
@@ -91,6 +94,8 @@ TEST(Bench, ReturnsTheSameAfterWritingAndReading) {
   ASSERT_TRUE(read) << read.error().message();
   EXPECT_EQ(to_json(*read), once);
   EXPECT_EQ(read->camera.gain, bench.camera.gain);
+  EXPECT_EQ(read->camera.packet_delay_us, 2.5);
+  EXPECT_EQ(read->camera.binning, 2);
   EXPECT_EQ(read->stage.approach_mm, Vec2(0.5, -0.25));
   EXPECT_EQ(read->stage_carries, StageCarries::lamp);
   EXPECT_EQ(read->stage_to_luminaire.linear, bench.stage_to_luminaire.linear);
@@ -149,6 +154,9 @@ TEST(Bench, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(refusal_with("/camera", "aravis"), HasSubstr("bench.json: camera: has the wrong type"));
   EXPECT_THAT(refusal_with("/camera/kind", "usb"),
               HasSubstr("camera.kind: \"usb\" is not known; make it one of \"aravis\""));
+  EXPECT_THAT(refusal_with("/camera/packet_bytes", 575), HasSubstr("give 576 to 65535, or 0 to have it found"));
+  EXPECT_EQ(refusal_with("/camera/packet_bytes", 0), "accepted");
+  EXPECT_THAT(refusal_with("/camera/binning", 0), HasSubstr("camera.binning: is out of range"));
   EXPECT_THAT(refusal_with("/camera/packet_bytes", 1500.5), HasSubstr("camera.packet_bytes: is out of range"));
   EXPECT_THAT(refusal_with("/stage/home", 1), HasSubstr("stage.home: has the wrong type; make it true or false"));
   EXPECT_THAT(refusal_with("/stage", Json({{"kind", "grbl"}, {"home", false}, {"check_home", true}})),

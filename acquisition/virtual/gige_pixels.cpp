@@ -1,0 +1,71 @@
+#include "acquisition/virtual/gige_pixels.h"
+
+#include <algorithm>
+#include <map>
+
+namespace lumifield::virtual_bench {
+namespace {
+
+using Packing = GigePixelFormat::Packing;
+
+// The codes as the convention lists them.
+const std::map<std::string, GigePixelFormat> formats = {
+    {"Mono8", {0x01080001, 8, Packing::bytes}},           {"Mono10", {0x01100003, 10, Packing::words}},
+    {"Mono10Packed", {0x010c0004, 10, Packing::gige}},    {"Mono10p", {0x010a0046, 10, Packing::lsb_first}},
+    {"Mono12", {0x01100005, 12, Packing::words}},         {"Mono12Packed", {0x010c0006, 12, Packing::gige}},
+    {"Mono12p", {0x010c0047, 12, Packing::lsb_first}},    {"Mono14", {0x01100025, 14, Packing::words}},
+    {"Mono16", {0x01100007, 16, Packing::words}},         {"BayerGR8", {0x01080008, 8, Packing::bytes}},
+    {"BayerRG8", {0x01080009, 8, Packing::bytes}},        {"BayerGB8", {0x0108000a, 8, Packing::bytes}},
+    {"BayerBG8", {0x0108000b, 8, Packing::bytes}},        {"BayerGR10", {0x0110000c, 10, Packing::words}},
+    {"BayerRG10", {0x0110000d, 10, Packing::words}},      {"BayerGB10", {0x0110000e, 10, Packing::words}},
+    {"BayerBG10", {0x0110000f, 10, Packing::words}},      {"BayerGR12", {0x01100010, 12, Packing::words}},
+    {"BayerRG12", {0x01100011, 12, Packing::words}},      {"BayerGB12", {0x01100012, 12, Packing::words}},
+    {"BayerBG12", {0x01100013, 12, Packing::words}},      {"BayerGR16", {0x0110002e, 16, Packing::words}},
+    {"BayerRG16", {0x0110002f, 16, Packing::words}},      {"BayerGB16", {0x01100030, 16, Packing::words}},
+    {"BayerBG16", {0x01100031, 16, Packing::words}},      {"BayerGR10Packed", {0x010c0026, 10, Packing::gige}},
+    {"BayerRG10Packed", {0x010c0027, 10, Packing::gige}}, {"BayerGB10Packed", {0x010c0028, 10, Packing::gige}},
+    {"BayerBG10Packed", {0x010c0029, 10, Packing::gige}}, {"BayerGR12Packed", {0x010c002a, 12, Packing::gige}},
+    {"BayerRG12Packed", {0x010c002b, 12, Packing::gige}}, {"BayerGB12Packed", {0x010c002c, 12, Packing::gige}},
+    {"BayerBG12Packed", {0x010c002d, 12, Packing::gige}}, {"BayerBG10p", {0x010a0052, 10, Packing::lsb_first}},
+    {"BayerBG12p", {0x010c0053, 12, Packing::lsb_first}}, {"BayerGB10p", {0x010a0054, 10, Packing::lsb_first}},
+    {"BayerGB12p", {0x010c0055, 12, Packing::lsb_first}}, {"BayerGR10p", {0x010a0056, 10, Packing::lsb_first}},
+    {"BayerGR12p", {0x010c0057, 12, Packing::lsb_first}}, {"BayerRG10p", {0x010a0058, 10, Packing::lsb_first}},
+    {"BayerRG12p", {0x010c0059, 12, Packing::lsb_first}},
+};
+
+}  // namespace
+
+std::optional<GigePixelFormat> gige_pixel_format(const std::string& name) {
+  const auto found = formats.find(name);
+  return found == formats.end() ? std::nullopt : std::optional(found->second);
+}
+
+void pack(std::span<const std::uint16_t> dn, const GigePixelFormat& format, std::span<std::uint8_t> out) {
+  std::ranges::fill(out, std::uint8_t{0});
+  const int high = format.bits - 8;  // bits of a group's middle byte, per photosite
+  for (std::size_t i = 0; i < dn.size(); ++i) {
+    const unsigned value = dn[i] & ((1u << format.bits) - 1);
+    switch (format.packing) {
+      case Packing::bytes:
+        out[i] = std::uint8_t(value);
+        break;
+      case Packing::words:
+        out[2 * i] = std::uint8_t(value), out[2 * i + 1] = std::uint8_t(value >> 8);
+        break;
+      case Packing::gige: {
+        const std::size_t group = i / 2 * 3;
+        out[i % 2 == 0 ? group : group + 2] = std::uint8_t(value >> high);
+        out[group + 1] |= std::uint8_t((value & ((1u << high) - 1)) << (i % 2 * 4));
+        break;
+      }
+      case Packing::lsb_first:
+        for (int bit = 0; bit < format.bits; ++bit) {
+          const std::size_t at = i * std::size_t(format.bits) + std::size_t(bit);
+          out[at / 8] |= std::uint8_t((value >> bit & 1) << at % 8);
+        }
+        break;
+    }
+  }
+}
+
+}  // namespace lumifield::virtual_bench
