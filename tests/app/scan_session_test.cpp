@@ -185,7 +185,10 @@ TEST_F(ScanSessionTest, WhatARecordCouldNotSayYetIsAsItWasThen) {
   request_.bench.camera.address = request_.bench.stage.path = "as named";
   auto record = nlohmann::json::parse(provenance_json("{}", request_, "2026-01-31T12:34:56Z", {}, nullptr));
   nlohmann::json& bench = record["scans"][0]["bench"];
-  ASSERT_EQ(bench["camera"].erase("width_px") + bench["camera"].erase("height_px"), 2U);
+  std::size_t gone = 0;
+  for (const char* later : {"width_px", "height_px", "packet_delay_us", "binning"})
+    gone += bench["camera"].erase(later);
+  ASSERT_EQ(gone, 4U);
   ASSERT_EQ(bench["filter"].erase("change"), 1U);
   const auto note = check_same_measurement(record.dump(), request_.bench, request_.plan);
   ASSERT_TRUE(note) << note.error().message();
