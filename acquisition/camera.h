@@ -14,7 +14,7 @@ struct CameraInfo {
   std::string vendor, model, serial, address;
   int sensor_width_px = 0, sensor_height_px = 0;
   double frame_wait_s = 0;  ///< beyond its exposure, of a camera that runs free; 0: CameraSettings::readout_s says it
-  std::string found = {};  ///< settings that were found at opening, as the bench file spells them
+  std::string found = {};   ///< settings that were found at opening, as the bench file spells them
 };
 
 /// The role of a camera: one complete frame per call, exposed when asked. Thread-bound: opened, used and destroyed by

@@ -354,7 +354,7 @@ TEST_F(AravisCamera, HeldByALivingProgramIsRefused) {
 
 TEST_F(AravisCamera, HeldByADeadProgramIsWaitedFor) {
   GigeDouble server;
-  server.set_heartbeat_timeout(500);
+  server.set_heartbeat_timeout(1500);  // Aravis reports every second
   const int dead = udp_socket(false);
   const std::array<std::uint8_t, 16> take_control{0x42, 0x01, 0x00, 0x82, 0x00, 0x08, 0, 7, 0, 0, 0x0a, 0, 0, 0, 0, 2};
   ASSERT_EQ(send(dead, take_control.data(), take_control.size(), 0), 16);
