@@ -54,9 +54,9 @@ struct DeviceReport {
 /// Every camera that answers, usable or not. Takes about a second (GigE Vision discovery).
 std::vector<DeviceReport> find_cameras();
 
-/// Opens the camera that a bench file names and takes `frames` of 1 ms. `reason` and `remedy` tell of frames that came
+/// Opens the camera that a bench file names and takes so many frames. `reason` and `remedy` tell of frames that came
 /// broken, too, though the camera is usable then: they are taken again.
-DeviceReport try_camera(const CameraSettings& settings, int frames);
+DeviceReport try_camera(const CameraSettings& settings, int frames, double exposure_s);
 
 /// The camera that a bench file names, answering or not; it is not opened. `address` is as in find_cameras when it
 /// answers.

@@ -20,9 +20,11 @@ constexpr Automatic switches[] = {{"LUTEnable", "values by a look-up table"},
                                   {"ColorTransformationEnable", "colours by a matrix"}};
 constexpr double gamma_tolerance = 1e-3;
 
-bool has(ArvCamera* camera, const char* feature) {
-  GFault ignored;  // then it has not
-  return arv_camera_is_feature_available(camera, feature, ignored.out()) && !ignored;
+Result<bool> has(ArvCamera* camera, const CameraSettings& settings, const char* feature) {
+  GFault fault;
+  const bool is_there = arv_camera_is_feature_available(camera, feature, fault.out());
+  if (fault) return refused(settings, std::string("a question for ") + feature, fault);
+  return is_there;
 }
 
 tl::unexpected<Error> stays_on(const CameraSettings& settings, const Automatic& automatic, const std::string& kept) {
@@ -32,7 +34,8 @@ tl::unexpected<Error> stays_on(const CameraSettings& settings, const Automatic& 
 
 /// A camera that does not take it may have it off already: what is read back counts.
 Status check_choice(ArvCamera* camera, const CameraSettings& settings, const Automatic& automatic) {
-  if (!has(camera, automatic.feature)) return {};
+  const Result<bool> is_there = has(camera, settings, automatic.feature);
+  if (!is_there || !*is_there) return is_there ? Status{} : tl::unexpected(is_there.error());
   GFault ignored, fault;
   arv_camera_set_string(camera, automatic.feature, "Off", ignored.out());
   const std::string kept = text_or_empty(arv_camera_get_string(camera, automatic.feature, fault.out()));
@@ -50,20 +53,25 @@ Result<bool> stays_on(ArvCamera* camera, const CameraSettings& settings, const c
 }
 
 Status check_switch(ArvCamera* camera, const CameraSettings& settings, const Automatic& automatic) {
-  if (!has(camera, automatic.feature)) return {};
+  const Result<bool> is_there = has(camera, settings, automatic.feature);
+  if (!is_there || !*is_there) return is_there ? Status{} : tl::unexpected(is_there.error());
   const Result<bool> is_on = stays_on(camera, settings, automatic.feature);
   if (!is_on) return tl::unexpected(is_on.error());
   return *is_on ? stays_on(settings, automatic, "on") : Status{};
 }
 
 Status check_gamma(ArvCamera* camera, const CameraSettings& settings) {
-  if (has(camera, "GammaEnable")) {
+  const Result<bool> has_switch = has(camera, settings, "GammaEnable");
+  if (!has_switch) return tl::unexpected(has_switch.error());
+  const Result<bool> has_gamma = has(camera, settings, "Gamma");
+  if (!has_gamma) return tl::unexpected(has_gamma.error());
+  if (*has_switch) {
     const Result<bool> is_on = stays_on(camera, settings, "GammaEnable");
     if (!is_on) return tl::unexpected(is_on.error());
     if (!*is_on) return {};
-    if (!has(camera, "Gamma")) return stays_on(settings, {"GammaEnable", "values by a gamma"}, "on");
+    if (!*has_gamma) return stays_on(settings, {"GammaEnable", "values by a gamma"}, "on");
   }
-  if (!has(camera, "Gamma")) return {};
+  if (!*has_gamma) return {};
   GFault ignored, fault;
   arv_camera_set_float(camera, "Gamma", 1, ignored.out());
   const double kept = arv_camera_get_float(camera, "Gamma", fault.out());

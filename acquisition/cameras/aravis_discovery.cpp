@@ -6,6 +6,7 @@
 
 #include "acquisition/cameras/aravis_settings.h"
 #include "acquisition/cameras/gvcp_probe.h"
+#include "acquisition/cameras/usb3_permission.h"
 
 namespace lumifield {
 namespace {
@@ -47,6 +48,7 @@ std::vector<DeviceReport> find_aravis_cameras() {
   arv_update_device_list();
   std::vector<DeviceReport> reports;
   for (guint i = 0; i < arv_get_n_devices(); ++i) reports.push_back(report_of(i));
+  for (DeviceReport& camera : usb3_cameras_without_permission()) reports.push_back(std::move(camera));
   return reports;
 }
 

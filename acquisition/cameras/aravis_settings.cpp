@@ -68,7 +68,9 @@ Status Applying::pixel_format() {
 Status Applying::binning() {
   GFault fault;
   const int wanted = settings.binning;
-  if (!arv_camera_is_binning_available(camera, fault.out())) {
+  const bool is_there = arv_camera_is_binning_available(camera, fault.out());
+  if (fault) return refused(settings, "a question for its binning", fault);
+  if (!is_there) {
     if (wanted == 1) return {};
     return error("has no binning to set", "set \"binning\": 1 in the bench file");
   }
@@ -111,7 +113,9 @@ Status Applying::full_region() {
 
 Status Applying::gain() {
   GFault fault;
-  if (!arv_camera_is_gain_available(camera, fault.out())) {
+  const bool is_there = arv_camera_is_gain_available(camera, fault.out());
+  if (fault) return refused(settings, "a question for its gain", fault);
+  if (!is_there) {
     if (settings.gain == 0) return {};
     return error("has no gain to set", "set \"gain\": 0 in the bench file");
   }

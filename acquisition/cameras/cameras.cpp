@@ -49,8 +49,7 @@ DeviceReport probe_camera(const CameraSettings& settings) {
   return kind->probe(settings);
 }
 
-DeviceReport try_camera(const CameraSettings& settings, int frames) {
-  constexpr double exposure_s = 0.001;
+DeviceReport try_camera(const CameraSettings& settings, int frames, double exposure_s) {
   const auto unusable = [&](const Error& error) {
     return DeviceReport{"camera", {}, settings.address, false, error.what, error.remedy};
   };
@@ -61,7 +60,7 @@ DeviceReport try_camera(const CameraSettings& settings, int frames) {
   for (int k = 0; k < frames; ++k)
     if (const auto image = (*camera)->expose(exposure_s); !image) return unusable(image.error());
   const CameraInfo& info = (*camera)->info();
-  DeviceReport report{"camera", info.vendor + " " + info.model + " " + info.serial, settings.address, true, {}, {}};
+  DeviceReport report{"camera", info.vendor + " " + info.model + " " + info.serial, info.address, true, {}, {}};
   const int broken = (*camera)->frames_retaken();
   if (broken == 0) return report;
   report.reason = std::to_string(broken) + " of " + std::to_string(frames + broken) +

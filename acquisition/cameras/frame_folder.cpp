@@ -35,7 +35,7 @@ std::vector<std::string_view> fields_of(std::string_view line) {
   for (std::size_t start = 0;;) {
     const std::size_t comma = line.find(',', start);
     fields.push_back(trimmed(line.substr(start, comma - start)));
-    if (comma == std::string_view::npos) return fields;
+    if (comma == std::string_view::npos || fields.size() > column_count) return fields;  // too many are told as such
     start = comma + 1;
   }
 }

@@ -31,21 +31,15 @@ List list_devices(ftdi_context* chip, UsbId id) {
   return List(ftdi_usb_find_all(chip, &list, id.vendor, id.product) > 0 ? list : nullptr);
 }
 
-std::string udev_rule(libusb_device* device) {
-  libusb_device_descriptor told{};
-  libusb_get_device_descriptor(device, &told);
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "write SUBSYSTEM==\"usb\", ATTR{idVendor}==\"%04x\", ATTR{idProduct}==\"%04x\", MODE=\"0660\", "
-                "TAG+=\"uaccess\" into /etc/udev/rules.d/70-stage.rules, then plug it in again",
-                told.idVendor, told.idProduct);
-  return text;
-}
+constexpr const char* rules_remedy =
+    "install the rules for devices on USB with `scripts/setup --udev`, add yourself to the group plugdev, and plug it "
+    "in "
+    "again";
 
 Error open_error(int code, libusb_device* device, const std::string& where) {
   switch (code) {
     case LIBUSB_ERROR_ACCESS:
-      return {"no permission to open it", where, udev_rule(device)};
+      return {"no permission to open it", where, rules_remedy};
     case LIBUSB_ERROR_BUSY:
       return {"in use by another program", where, "close the other program"};
     case LIBUSB_ERROR_NO_DEVICE:
@@ -89,7 +83,7 @@ std::vector<FtdiDevice> FtdiLink::find(UsbId id) {
 Result<std::unique_ptr<FtdiLink>> FtdiLink::open(UsbId id, const std::string& serial, int baud) {
   Context chip(ftdi_new());
   if (!chip) return fail("USB cannot be used here", serial, "check that the system has USB");
-  const List list = list_devices(chip.get(), id);
+  List list = list_devices(chip.get(), id);
   std::optional<Error> closed;
   for (const ftdi_device_list* each = list.get(); each != nullptr; each = each->next) {
     const FtdiDevice device = describe(each->dev);
@@ -102,6 +96,7 @@ Result<std::unique_ptr<FtdiLink>> FtdiLink::open(UsbId id, const std::string& se
       if (code == usb_open_failed) return tl::unexpected(open_error(LIBUSB_ERROR_NO_DEVICE, each->dev, serial));
       return fail(ftdi_get_error_string(chip.get()), serial, "plug it in again");
     }
+    list.reset();  // of the chip's context, which a link that fails takes with it
     std::unique_ptr<FtdiLink> link(new FtdiLink(chip.release(), serial));
     if (Status ready = link->configure(baud); !ready) return tl::unexpected(ready.error());
     return link;
@@ -137,7 +132,10 @@ LinkResult<void> FtdiLink::write(std::span<const std::uint8_t> bytes) {
   const std::scoped_lock alone(writing_);
   const int count = ftdi_write_data(chip_, bytes.data(), static_cast<int>(bytes.size()));
   if (count == static_cast<int>(bytes.size())) return {};
-  return tl::unexpected(count == LIBUSB_ERROR_TIMEOUT || count >= 0 ? LinkFault::timeout : LinkFault::hang_up);
+  // The library tells every transfer that fails alike: one that answers is only busy.
+  unsigned short lines = 0;
+  return tl::unexpected(count >= 0 || ftdi_poll_modem_status(chip_, &lines) == 0 ? LinkFault::timeout
+                                                                                 : LinkFault::hang_up);
 }
 
 LinkResult<std::vector<std::uint8_t>> FtdiLink::read(Milliseconds timeout) {

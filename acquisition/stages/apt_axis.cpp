@@ -148,15 +148,20 @@ Status AptAxis::ask_again() {
   return unit_.send(message(setup_.is_stepper ? AptId::req_status : AptId::req_dc_status));
 }
 
+/// Ended it is once the last question is answered, too: its answer would pass for that to the next one.
 Result<bool> AptAxis::watch() {
-  if (ended_) return true;
+  if (ended_ && Clock::now() >= asked_ + answer_time) unanswered_ = 0;  // it was lost
+  if (ended_ && unanswered_ == 0) return true;
   const Result<std::optional<AptMessage>> came = unit_.receive(setup_.address, listen_time);
   if (!came) return tl::unexpected(came.error());
-  const Result<bool> well = *came ? judge(**came) : false;
-  if (!well) return well;
-  ended_ = *well;
+  if (*came && ((*came)->id == AptId::get_status || (*came)->id == AptId::get_dc_status)) unanswered_ = 0;
+  if (!ended_) {
+    const Result<bool> well = *came ? judge(**came) : false;
+    if (!well) return well;
+    ended_ = *well;
+  }
   if (Status asked = ended_ ? Status() : ask_again(); !asked) return tl::unexpected(asked.error());
-  return ended_;
+  return ended_ && unanswered_ == 0;
 }
 
 /// A motion has ended by its message, or when the axis stands for a while where it was sent.
@@ -165,7 +170,6 @@ Result<bool> AptAxis::judge(const AptMessage& message) {
   if (is_homing && message.id == AptId::homed) return true;
   const std::optional<AptStatus> status = parse_apt_status(message);
   if (!status) return false;
-  unanswered_ = 0;
   if (status->moving()) moved_ = Clock::now();
   if (status->motion_error() || message.id == AptId::move_stopped) return stopped_short(*status);
   if (message.id != ends_with_ && Clock::now() < moved_ + rest_time) return false;

@@ -13,7 +13,7 @@ constexpr int baud = 115200;
 constexpr milliseconds answer_time(1000), listen_time(5);
 /// Silence is believed on the second wait only: one that began before the whole machine was held up would end at once.
 constexpr int answer_waits = 2;
-constexpr std::size_t unreadable_limit = 256;
+constexpr std::size_t unreadable_limit = 256, most_waiting = 64;
 
 milliseconds left_until(Clock::time_point deadline) {
   return std::max(milliseconds(0), std::chrono::ceil<milliseconds>(deadline - Clock::now()));
@@ -65,12 +65,15 @@ Status AptUnit::take(AptMessage message) {
     return fail("the controller reports a fault" + (note.empty() ? "" : ": " + note), serial(),
                 "see its display and manual, then switch it off and on and home");
   }
+  if (!inbox_.contains(message.source)) return {};  // of whom nothing is asked
   if (parse_apt_status(message)) {
     AptMessage alive{AptId::ack_status};
     alive.destination = message.source;
     if (Status acknowledged = send(alive); !acknowledged) return acknowledged;
   }
-  inbox_[message.source].push_back(std::move(message));
+  std::deque<AptMessage>& inbox = inbox_[message.source];
+  inbox.push_back(std::move(message));
+  if (inbox.size() > most_waiting) inbox.pop_front();
   return {};
 }
 
@@ -96,6 +99,9 @@ Result<std::optional<AptMessage>> AptUnit::await(std::uint8_t source, AptId answ
 }
 
 Result<AptMessage> AptUnit::ask(const AptMessage& request, AptId answer) {
+  // What has come before answers an earlier question.
+  if (Status came = read(milliseconds(0)); !came) return tl::unexpected(came.error());
+  inbox_[request.destination].clear();
   for (int wait = 0; wait < answer_waits; ++wait) {
     if (Status sent = send(request); !sent) return tl::unexpected(sent.error());
     Result<std::optional<AptMessage>> message = await(request.destination, answer, answer_time);

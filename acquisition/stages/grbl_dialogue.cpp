@@ -196,7 +196,7 @@ Status GrblDialogue::reset() {
     forget_noise();
     return {};
   } while (Clock::now() < deadline);
-  return silent("5 s");
+  return silent("2 s");
 }
 
 void GrblDialogue::send_now(char character) {

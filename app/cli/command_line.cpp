@@ -294,6 +294,7 @@ void add_devices(CLI::App& app, DevicesOptions& o) {
       ->envname("LUMIFIELD_BENCH");
   devices->add_option("--frames", o.frames, "Take so many frames with the bench's camera, and tell of broken ones")
       ->check(CLI::Range(0, 100'000));
+  devices->add_option("--exposure", o.exposure_s, "Of those frames, s");
   devices->add_option("--stage", o.stage_path, "Serial port to try as well");
   devices->add_flag("--json", o.json, "Print the list as one JSON object");
 }

@@ -65,6 +65,7 @@ int run_check(const CheckOptions& options);
 struct DevicesOptions {
   std::string bench, stage_path;
   int frames = 0;  ///< to take with the bench's camera
+  double exposure_s = 0.001;
   bool json = false;
 };
 int run_devices(const DevicesOptions& options);

@@ -32,7 +32,8 @@ void name_by_bench(std::vector<Found>& found, DeviceReport device, const std::st
   if (at == found.end())
     found.push_back({std::move(device), bench});
   else
-    at->bench = bench, at->device.reason = device.reason, at->device.remedy = device.remedy;
+    at->bench = bench, at->device.usable = device.usable, at->device.reason = device.reason,
+    at->device.remedy = device.remedy;
 }
 
 DeviceReport none(const std::string& role) {
@@ -56,7 +57,9 @@ std::vector<Found> find_devices(const DevicesOptions& options) {
   for (DeviceReport& camera : find_cameras()) found.push_back({std::move(camera), ""});
   if (named) {
     const CameraSettings& camera = (*bench)->camera;
-    name_by_bench(found, options.frames > 0 ? try_camera(camera, options.frames) : probe_camera(camera), options.bench);
+    name_by_bench(found,
+                  options.frames > 0 ? try_camera(camera, options.frames, options.exposure_s) : probe_camera(camera),
+                  options.bench);
   }
   for (DeviceReport& stage : find_stages(options.stage_path)) found.push_back({std::move(stage), ""});
   if (named) name_by_bench(found, probe_stage((*bench)->stage), options.bench);

@@ -13,12 +13,13 @@ using Json = nlohmann::ordered_json;
 
 /// What may change between two scans of one dataset: where devices are found, how fast and how patiently they work,
 /// what is allowed and what is worth a warning.
-constexpr std::array<std::string_view, 25> free_members = {
+constexpr std::array<std::string_view, 26> free_members = {
     "/camera/address",
     "/camera/readout_s",
     "/camera/packet_bytes",
     "/camera/packet_delay_us",
     "/stage/path",
+    "/stage/apt/serials/",
     "/stage/rapid_mm_s",
     "/stage/acceleration_mm_s2",
     "/stage/home",
