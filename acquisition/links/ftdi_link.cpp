@@ -36,7 +36,7 @@ constexpr const char* rules_remedy =
     "in "
     "again";
 
-Error open_error(int code, libusb_device* device, const std::string& where) {
+Error open_error(int code, const std::string& where) {
   switch (code) {
     case LIBUSB_ERROR_ACCESS:
       return {"no permission to open it", where, rules_remedy};
@@ -54,7 +54,7 @@ FtdiDevice describe(libusb_device* device) {
   libusb_device_handle* handle = nullptr;
   char place[32];
   std::snprintf(place, sizeof place, "USB %03d/%03d", libusb_get_bus_number(device), libusb_get_device_address(device));
-  if (const int code = libusb_open(device, &handle); code != 0) return {{}, {}, open_error(code, device, place)};
+  if (const int code = libusb_open(device, &handle); code != 0) return {{}, {}, open_error(code, place)};
   const auto text = [handle](std::uint8_t index) {
     unsigned char bytes[128];
     const int count = libusb_get_string_descriptor_ascii(handle, index, bytes, sizeof bytes);
@@ -92,8 +92,8 @@ Result<std::unique_ptr<FtdiLink>> FtdiLink::open(UsbId id, const std::string& se
 
     ftdi_set_interface(chip.get(), INTERFACE_A);
     if (const int code = ftdi_usb_open_dev(chip.get(), each->dev); code != 0) {
-      if (code == usb_claim_failed) return tl::unexpected(open_error(LIBUSB_ERROR_BUSY, each->dev, serial));
-      if (code == usb_open_failed) return tl::unexpected(open_error(LIBUSB_ERROR_NO_DEVICE, each->dev, serial));
+      if (code == usb_claim_failed) return tl::unexpected(open_error(LIBUSB_ERROR_BUSY, serial));
+      if (code == usb_open_failed) return tl::unexpected(open_error(LIBUSB_ERROR_NO_DEVICE, serial));
       return fail(ftdi_get_error_string(chip.get()), serial, "plug it in again");
     }
     list.reset();  // of the chip's context, which a link that fails takes with it
