@@ -54,8 +54,8 @@ struct DeviceReport {
 /// Every camera that answers, usable or not. Takes about a second (GigE Vision discovery).
 std::vector<DeviceReport> find_cameras();
 
-/// Opens the camera that a bench file names and takes so many frames. `reason` and `remedy` tell of frames that came
-/// broken, too, though the camera is usable then: they are taken again.
+/// Opens the camera that a bench file names and takes so many frames. `reason` tells how many came
+/// broken, though the camera is usable then: they are taken again.
 DeviceReport try_camera(const CameraSettings& settings, int frames, double exposure_s);
 
 /// The camera that a bench file names, answering or not; it is not opened. `address` is as in find_cameras when it

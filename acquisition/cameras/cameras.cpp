@@ -62,6 +62,7 @@ DeviceReport try_camera(const CameraSettings& settings, int frames, double expos
   const CameraInfo& info = (*camera)->info();
   DeviceReport report{"camera", info.vendor + " " + info.model + " " + info.serial, info.address, true, {}, {}};
   const int broken = (*camera)->frames_retaken();
+  report.reason = std::to_string(frames) + " frames came, none broken";
   if (broken == 0) return report;
   report.reason = std::to_string(broken) + " of " + std::to_string(frames + broken) +
                   " frames came broken, so that packets are lost; they are taken again";

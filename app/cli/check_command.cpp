@@ -94,7 +94,13 @@ Result<std::string> format_of(const std::string& path) {
   if (wrong) return fail("cannot be read: " + wrong.message(), path, "check the path");
   if (bytes > largest_bytes) return fail("is larger than any bench, plan, scene or study", path, "check the path");
   std::ifstream stream(path);
-  const auto json = nlohmann::json::parse(stream, nullptr, false);
+  nlohmann::json json;
+  try {
+    json = nlohmann::json::parse(stream);
+  } catch (const nlohmann::json::parse_error& error) {
+    return fail(std::string("is no JSON: ") + error.what(), path,
+                "mend it there; bench, plan, scene and study are JSON");
+  }
   if (!json.is_object() || !json.contains("format") || !json["format"].is_string())
     return fail("is no JSON object with a \"format\"", path,
                 "name a dataset folder, a bench, a plan, a scene or a study");

@@ -74,7 +74,8 @@ void print(const Found& found) {
   const std::string place = d.name.empty() || d.address.empty() ? d.address : " at " + d.address;
   std::printf("%-7s %-11s %s%s%s\n", d.role.c_str(), d.usable ? "usable" : "not usable", d.name.c_str(), place.c_str(),
               found.bench.empty() ? "" : (" (named in " + found.bench + ")").c_str());
-  if (!d.reason.empty()) std::printf("%20s%s; %s\n", "", d.reason.c_str(), d.remedy.c_str());
+  const std::string remedy = d.remedy.empty() ? "" : "; " + d.remedy;
+  if (!d.reason.empty()) std::printf("%20s%s%s\n", "", d.reason.c_str(), remedy.c_str());
 }
 
 }  // namespace

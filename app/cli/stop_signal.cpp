@@ -1,5 +1,6 @@
 #include "app/cli/stop_signal.h"
 
+#include <atomic>
 #include <csignal>
 #include <string_view>
 #include <unistd.h>
@@ -8,7 +9,9 @@ namespace lumifield {
 
 namespace {
 
-volatile std::sig_atomic_t signalled = 0;
+/// A signal may be taken by any thread.
+std::atomic<int> signalled = 0;
+static_assert(std::atomic<int>::is_always_lock_free, "a handler may not wait");
 
 /// Of what a handler may do: a file that takes no more is no matter here.
 void take_signal(int signal) {
