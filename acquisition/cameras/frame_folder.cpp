@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "luminaire/csv.h"
 #include "luminaire/file_io.h"
 #include "luminaire/json_geometry.h"
 
@@ -24,22 +25,6 @@ constexpr std::size_t most_frames = 1'000'000;
 constexpr double longest_exposure_s = 3600, largest_gain_db = 200, farthest_mm = 1e6;
 constexpr std::size_t header_bytes_most = 1024;
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-std::vector<std::string_view> fields_of(std::string_view line) {
-  std::vector<std::string_view> fields;
-  for (std::size_t start = 0;;) {
-    const std::size_t comma = line.find(',', start);
-    fields.push_back(trimmed(line.substr(start, comma - start)));
-    if (comma == std::string_view::npos || fields.size() > column_count) return fields;  // too many are told as such
-    start = comma + 1;
-  }
-}
-
 /// Takes the next line off the text.
 std::string_view next_line(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());
@@ -55,7 +40,7 @@ constexpr std::size_t absent = static_cast<std::size_t>(-1);
 Result<Order> parse_header(std::string_view line, const std::string& where) {
   Order order;
   order.fill(absent);
-  const std::vector<std::string_view> fields = fields_of(line);
+  const std::vector<std::string_view> fields = csv_fields(line, column_count);
   for (std::size_t k = 0; k < fields.size(); ++k) {
     const auto found = std::ranges::find(columns, fields[k]);
     if (found == std::end(columns))
@@ -99,7 +84,7 @@ struct Line {
 };
 
 Result<ListedFrame> parse_line(std::string_view text, const Order& order, const std::string& where) {
-  const std::vector<std::string_view> fields = fields_of(text);
+  const std::vector<std::string_view> fields = csv_fields(text, column_count);
   const auto named = static_cast<std::size_t>(std::ranges::count_if(order, [](std::size_t k) { return k != absent; }));
   if (fields.size() != named)
     return fail("has " + std::to_string(fields.size()) + " columns, the first line " + std::to_string(named), where,

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double same_place_mm = 0.1, same_exposure = 1e-3, same_gain_db = 0.05;
+constexpr double same_exposure = 1e-3, same_gain_db = 0.05;
 constexpr const char* other_scan = "use the bench and the plan that it was recorded with, or record it anew";
 
 std::string say(double value) {

@@ -10,8 +10,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds listen_time(5), status_period(50), answer_time(1000);
-constexpr int answer_waits = 2;         // as in AptUnit
+constexpr milliseconds listen_time(5), status_period(50);
 constexpr milliseconds rest_time(500);  // a motion has started by then, or ended
 constexpr double arrival_mm = 0.05;     // a servo has settled to within less
 constexpr double rounding = 1e-3;       // relative, of speeds read back; half a word more
@@ -141,8 +140,8 @@ Result<AptAxis::Seconds> AptAxis::start_move(double target_mm) {
 
 Status AptAxis::ask_again() {
   const Clock::time_point now = Clock::now();
-  if (now < asked_ + (unanswered_ == 0 ? status_period : answer_time)) return {};
-  if (unanswered_ == answer_waits) return unit_.silent(setup_.address, "2 s");
+  if (now < asked_ + (unanswered_ == 0 ? status_period : AptUnit::answer_time)) return {};
+  if (unanswered_ == AptUnit::answer_waits) return unit_.silent(setup_.address, "2 s");
   ++unanswered_;
   asked_ = now;
   return unit_.send(message(setup_.is_stepper ? AptId::req_status : AptId::req_dc_status));
@@ -150,7 +149,7 @@ Status AptAxis::ask_again() {
 
 /// Ended it is once the last question is answered, too: its answer would pass for that to the next one.
 Result<bool> AptAxis::watch() {
-  if (ended_ && Clock::now() >= asked_ + answer_time) unanswered_ = 0;  // it was lost
+  if (ended_ && Clock::now() >= asked_ + AptUnit::answer_time) unanswered_ = 0;  // it was lost
   if (ended_ && unanswered_ == 0) return true;
   const Result<std::optional<AptMessage>> came = unit_.receive(setup_.address, listen_time);
   if (!came) return tl::unexpected(came.error());

@@ -10,9 +10,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr int baud = 115200;
-constexpr milliseconds answer_time(1000), listen_time(5);
-/// Silence is believed on the second wait only: one that began before the whole machine was held up would end at once.
-constexpr int answer_waits = 2;
+constexpr milliseconds listen_time(5);
 constexpr std::size_t unreadable_limit = 256, most_waiting = 64;
 
 milliseconds left_until(Clock::time_point deadline) {

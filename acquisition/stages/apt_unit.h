@@ -23,6 +23,10 @@ inline constexpr UsbId apt_usb_id{0x0403, 0xfaf0};
 class AptUnit {
  public:
   using Milliseconds = std::chrono::milliseconds;
+  /// Silence is believed on the second wait only: one that began before the whole machine was held up would end at
+  /// once.
+  static constexpr Milliseconds answer_time{1000};
+  static constexpr int answer_waits = 2;
 
   /// Neither stops what moves nor resets anything but the USB chip. Errors: as FtdiLink::open.
   static Result<std::unique_ptr<AptUnit>> open(const std::string& serial);

@@ -9,7 +9,6 @@
 namespace lumifield {
 namespace {
 
-constexpr double same_place_mm = 0.1;
 constexpr double at_once_mm_s = 1e6, at_once_mm_s2 = 1e9;  // for predictions
 
 class ReplayStage final : public Stage {

@@ -1,6 +1,5 @@
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -12,6 +11,8 @@
 #include "app/session/study_file.h"
 #include "luminaire/bench.h"
 #include "luminaire/dataset.h"
+#include "luminaire/file_io.h"
+#include "luminaire/json_reader.h"
 #include "luminaire/manifest.h"
 #include "luminaire/plan.h"
 #include "luminaire/scene.h"
@@ -93,18 +94,16 @@ Result<std::string> format_of(const std::string& path) {
   const auto bytes = std::filesystem::file_size(path, wrong);
   if (wrong) return fail("cannot be read: " + wrong.message(), path, "check the path");
   if (bytes > largest_bytes) return fail("is larger than any bench, plan, scene or study", path, "check the path");
-  std::ifstream stream(path);
-  nlohmann::json json;
-  try {
-    json = nlohmann::json::parse(stream);
-  } catch (const nlohmann::json::parse_error& error) {
-    return fail(std::string("is no JSON: ") + error.what(), path,
-                "mend it there; bench, plan, scene and study are JSON");
-  }
-  if (!json.is_object() || !json.contains("format") || !json["format"].is_string())
+  const Result<std::string> text = read_file(path, largest_bytes);
+  if (!text) return tl::unexpected(text.error());
+  // Its own reader is stricter about how many values it may hold.
+  Result<JsonDocument> document = JsonDocument::parse(*text, path, {.bytes = largest_bytes, .values = largest_bytes});
+  if (!document) return tl::unexpected(document.error());
+  std::string format = document->root()["format"].text();
+  if (!document->status())
     return fail("is no JSON object with a \"format\"", path,
                 "name a dataset folder, a bench, a plan, a scene or a study");
-  return json["format"].get<std::string>();
+  return format;
 }
 
 template <class T>

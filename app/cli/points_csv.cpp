@@ -8,8 +8,10 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <string_view>
 
+#include "luminaire/csv.h"
 #include "luminaire/file_io.h"
 
 namespace lumifield {
@@ -18,23 +20,8 @@ namespace {
 
 constexpr std::size_t most_points = 10'000'000;
 constexpr std::array<std::string_view, 6> column_names{"x_mm", "y_mm", "z_mm", "nx", "ny", "nz"};
+constexpr std::size_t any_number_of_columns = std::numeric_limits<std::size_t>::max();  // others are passed over
 constexpr const char* columns_remedy = "the first line is to name the columns x_mm,y_mm,z_mm,nx,ny,nz";
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-std::vector<std::string_view> fields_of(std::string_view line) {
-  std::vector<std::string_view> fields;
-  for (std::size_t start = 0;;) {
-    const std::size_t comma = line.find(',', start);
-    fields.push_back(trimmed(line.substr(start, comma - start)));
-    if (comma == std::string_view::npos) return fields;
-    start = comma + 1;
-  }
-}
 
 /// Position in column_names of each column of the file; past its end: passed over.
 Result<std::vector<std::size_t>> read_header(std::string_view line, const std::string& where,
@@ -42,7 +29,7 @@ Result<std::vector<std::size_t>> read_header(std::string_view line, const std::s
   constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
   if (line.starts_with(byte_order_mark)) line.remove_prefix(byte_order_mark.size());
   std::vector<std::size_t> order;
-  for (std::string_view field : fields_of(line)) {
+  for (std::string_view field : csv_fields(line, any_number_of_columns)) {
     const auto found = std::find(column_names.begin(), column_names.end(), field);
     const auto column = static_cast<std::size_t>(found - column_names.begin());
     if (found == column_names.end())
@@ -58,7 +45,7 @@ Result<std::vector<std::size_t>> read_header(std::string_view line, const std::s
 }
 
 Result<Receiver> read_point(std::string_view line, const std::vector<std::size_t>& order, const std::string& where) {
-  const std::vector<std::string_view> fields = fields_of(line);
+  const std::vector<std::string_view> fields = csv_fields(line, any_number_of_columns);
   if (fields.size() != order.size())
     return fail("has " + std::to_string(fields.size()) + " columns, the first line " + std::to_string(order.size()),
                 where, "mend the line");
