@@ -82,16 +82,33 @@ INLINE double on_lamp(const Mixture* m, double2 u, double width) {
   return part.x * part.y / (width * width);
 }
 
-INLINE double lobe_width(const Lobe* l) {
-  return l->kind == LOBE_NONE ? 1 : fmin(l->kind == LOBE_PHONG ? 1 / sqrt(l->shape) : 2 * l->shape, 1.0);
+INLINE double lobe_width(int kind, double shape) {
+  return fmin(kind == LOBE_PHONG ? 1 / sqrt(shape) : 2 * shape, 1.0);
 }
 
 // Of the square by which a lobe is told.
-INLINE double lamp_shown(const Mixture* m, const Lobe* l) {
-  if (!(l->axis.z < 0)) return 0;
-  const double length = m->view->at.p_z / -l->axis.z;
-  const double2 u = (double2)(m->view->at.p_x, m->view->at.p_y) + length * l->axis.xy;
-  return on_lamp(m, u, MIS_REACH * lobe_width(l) * length / sqrt(-l->axis.z)) ;
+INLINE double lamp_shown(const Mixture* m, double3 axis, double width) {
+  if (!(axis.z < 0)) return 0;
+  const double length = m->view->at.p_z / -axis.z;
+  const double2 u = (double2)(m->view->at.p_x, m->view->at.p_y) + length * axis.xy;
+  return on_lamp(m, u, MIS_REACH * width * length / sqrt(-axis.z));
+}
+
+// Which lobe is sampled, before any is set up: most receivers show nothing of the lamp.
+INLINE void choose_lobe(Mixture* m, __global const GlossLobe* lobe, const MisShares* shares) {
+  const double3 n = unit_of((double3)(m->view->at.n_x, m->view->at.n_y, m->view->at.n_z));
+  m->shines = m->gloss = m->split = 0;
+#if LOBES > 0
+  if (lobe->kind != LOBE_NONE) {
+    const double3 eye = unit_of((double3)(lobe->eye_x, lobe->eye_y, lobe->eye_z));
+    const double no = dot(n, eye), width = lobe_width(lobe->kind, lobe->shape);
+    m->shines = no > 0;
+    m->gloss = m->shines && lamp_shown(m, 2 * no * n - eye, width) >= MIS_SHOWS;
+    m->split = m->gloss && m->rays->filter && width <= MIS_SPLITS;
+  }
+#endif
+  m->count = m->gloss ? shares->glossy : lamp_shown(m, n, 1) >= MIS_SHOWS ? shares->diffuse : 0;
+  m->filter = m->gloss && m->rays->filter;
 }
 
 INLINE double footprint(const Ray* ray) { return fmin(sqrt(ray->area / ray->lobes), 0.5 * ray->length); }
@@ -242,8 +259,7 @@ __kernel void mis(const SamplingGeometry geometry, const RayGeometry rays, const
                   __global const SamplingReceiver* receivers, __global const SamplingCell* cells,
                   __global const int* slots, __global const ClosedFormLevel* levels, __global const float* images,
                   __global const double* tables, __global const double* columns, __global const float2* points,
-                  __global const LobePoint* diffuse_points, __global const LobePoint* wide_points,
-                  __global const LobePoint* narrow_points,
+                  __global const LobePoint* diffuse_points, __global const LobePoint* glossy_points,
                   __global double* sums, const SamplingLooks looks, __global const uint* bits,
                   __global const GlossLobe* lobes, __global double* gloss) {
   const int id = geometry.first_receiver + (int)get_global_id(0);
@@ -274,23 +290,15 @@ __kernel void mis(const SamplingGeometry geometry, const RayGeometry rays, const
   const double2 spacing = (double2)(geometry.spacing_x, geometry.spacing_y);
   mix.low = (double2)(rays.first_x, rays.first_y) - HALF * spacing;
   mix.high = mix.low + ((double2)(rays.columns, rays.rows) + (2 * HALF - 1)) * spacing;
-  mix.dull = mix.glossy = diffuse_lobe(&view.at);
-  mix.shines = 0;
+  choose_lobe(&mix, lobes + (LOBES > 0 ? id : 0), &shares);
+  if (mix.count > 0) {
+    mix.dull = mix.glossy = diffuse_lobe(&view.at);
 #if LOBES > 0
-  const GlossLobe own = lobes[id];
-  if (own.kind != LOBE_NONE) mix.glossy = glossy_lobe(&view.at, &own);
-  mix.shines = own.kind != LOBE_NONE && mix.glossy.no > 0;
+    const GlossLobe own = lobes[id];
+    if (mix.shines) mix.glossy = glossy_lobe(&view.at, &own);
 #endif
-  const double shown = mix.shines ? lamp_shown(&mix, &mix.glossy) : 0;
-  const int narrow = shown >= MIS_NARROW;
-  mix.gloss = shown >= MIS_SHOWS;
-  mix.count = narrow                                          ? shares.narrow
-              : mix.gloss                                     ? shares.wide
-              : lamp_shown(&mix, &mix.dull) >= MIS_SHOWS ? shares.diffuse
-                                                              : 0;
-  mix.filter = mix.gloss && rays.filter;
-  mix.split = narrow && mix.filter && lobe_width(&mix.glossy) <= MIS_SPLITS;
-  const double samples = mix.split ? shares.light_apart : narrow ? shares.light_beside : shares.light;
+  }
+  const double samples = mix.split ? shares.light_apart : mix.gloss ? shares.light_beside : shares.light;
   mix.per_area = samples / all * (on_u ? 1 : rates) / (spacing.x * spacing.y);
   mix.even = samples / MIS_WORTH / ((mix.high.x - mix.low.x) * (mix.high.y - mix.low.y));
 
@@ -317,10 +325,10 @@ __kernel void mis(const SamplingGeometry geometry, const RayGeometry rays, const
     for (int c = 0; c < VALUES; ++c) sum[c] += scale * part[c];
   }
   if (mix.split)
-    add_gloss_samples(&mix, shares.narrow_points, narrow_points, sum);
+    add_gloss_samples(&mix, shares.glossy_points, glossy_points, sum);
   else
-    add_lobe_samples(&mix, narrow ? shares.narrow_points : mix.gloss ? shares.wide_points : shares.diffuse_points,
-                     narrow ? narrow_points : mix.gloss ? wide_points : diffuse_points, sum);
+    add_lobe_samples(&mix, mix.gloss ? shares.glossy_points : shares.diffuse_points,
+                     mix.gloss ? glossy_points : diffuse_points, sum);
   keep_values(sum, 1, id, sums, gloss);
 }
 
@@ -329,5 +337,5 @@ __kernel void mis_layout(__global int* layout) {
   MisShares shares;
   layout[0] = sizeof shares;
   layout[1] = (int)((char*)&shares.diffuse - (char*)&shares);
-  layout[2] = (int)((char*)&shares.narrow_points - (char*)&shares);
+  layout[2] = (int)((char*)&shares.glossy_points - (char*)&shares);
 }

@@ -12,7 +12,7 @@ namespace lumifield {
 
 MisCounts mis_counts(double samples) {
   const auto whole = [&](double share) { return static_cast<int>(std::min(share * samples, most_samples)); };
-  return {samples, samples / 2, samples * 7 / 8, whole(0.5), whole(1), whole(4)};
+  return {samples, samples / 2, samples * 7 / 8, whole(0.5), whole(4)};
 }
 
 /// What all samples of a receiver have in common.
@@ -25,15 +25,13 @@ class Mis::Mixture {
     low_ = s.cell_center_mm({0, 0}) - reach;
     high_ = s.cell_center_mm({s.rows - 1, s.columns - 1}) + reach;
     shines_ = view.look().lobe.kind != LOBE_NONE && glossy.shines();
-    const double shown = shines_ ? lamp_shown(glossy) : 0;
-    const bool narrow = shown >= MIS_NARROW;
-    gloss = shown >= MIS_SHOWS;
+    gloss = shines_ && lamp_shown(glossy) >= MIS_SHOWS;
     const MisCounts& counts = mis.counts_;
-    count = narrow ? counts.narrow : gloss ? counts.wide : lamp_shown(diffuse) >= MIS_SHOWS ? counts.diffuse : 0;
-    points = narrow ? &mis.narrow_ : gloss ? &mis.wide_ : &mis.diffuse_;
+    count = gloss ? counts.glossy : lamp_shown(diffuse) >= MIS_SHOWS ? counts.diffuse : 0;
+    points = gloss ? &mis.glossy_ : &mis.diffuse_;
     filtered = gloss && mis.settings_.filter;
-    split = narrow && filtered && glossy.width() <= MIS_SPLITS;
-    const double n_light = split ? counts.light_apart : narrow ? counts.light_beside : counts.light;
+    split = filtered && glossy.width() <= MIS_SPLITS;
+    const double n_light = split ? counts.light_apart : gloss ? counts.light_beside : counts.light;
     balance = mis.lights_.balance(view, n_light);
     const double all = std::accumulate(balance.a.begin(), balance.a.end(), 0.0);
     per_area_ = all > 0 ? n_light / all / s.spacing_mm.prod() : 0;
@@ -158,8 +156,7 @@ Mis::Mis(const LightField& light_field, const MethodSettings& settings, std::opt
       lights_(light_field, settings),
       by_number_(static_cast<std::size_t>(light_field.geometry().sampling.cells()), 0),
       diffuse_(lobe_points(settings.sequence, counts_.diffuse, settings.seed, LobeDraws::diffuse)),
-      wide_(lobe_points(settings.sequence, counts_.wide, settings.seed, LobeDraws::glossy)),
-      narrow_(lobe_points(settings.sequence, counts_.narrow, settings.seed, LobeDraws::glossy)) {
+      glossy_(lobe_points(settings.sequence, counts_.glossy, settings.seed, LobeDraws::glossy)) {
   for (std::size_t m = 0; m < lights_.cells().size(); ++m) by_number_[lights_.cells()[m].number] = m;
 }
 

@@ -11,13 +11,13 @@
 
 namespace lumifield {
 
-/// Samples of a receiver by K: K_L of the light, or `light_beside` many lobe samples, or `light_apart` from them; N of
-/// its diffuse lobe, or of a glossy one that is wide or narrow beside the lamp.
+/// Samples of a receiver by K: K_L of the light, or `light_beside` those of a glossy lobe, or `light_apart` from them;
+/// N of its diffuse lobe, or of the glossy one.
 struct MisCounts {
   double light, light_beside, light_apart;
-  int diffuse, wide, narrow;
+  int diffuse, glossy;
 };
-/// K; K/2, 7/8 K; K/2; K; 4 K.
+/// K; K/2, 7/8 K; K/2; 4 K.
 MisCounts mis_counts(double samples);
 
 /// Multiple importance sampling (Veach, Guibas 1995) of PositionDependent's light samples with FilteredBrdf's lobe
@@ -40,10 +40,10 @@ MisCounts mis_counts(double samples);
 ///
 /// Which lobe is sampled, and how many rays of either kind there are, follows from the receiver's geometry alone, so
 /// that no pilot biases it: K_L = K where lobes show little of the lamp (mis_shared.h), since there light samples are
-/// the better of the two for gloss too, and lobe samples time lost; of a glossy lobe that shows it N = K, or where it
-/// is narrow 4 K beside K/2, since there its light outshines what is diffuse and lobe samples are far better; else of
-/// the diffuse one K/2, which is near the lamp. (Diffuse lobe samples beside narrow ones as a third kind: 0.87 to 1.09
-/// of the error in equal time, so not kept.)
+/// the better of the two for gloss too, and lobe samples time lost; of a glossy lobe that shows it N = 4 K beside K/2,
+/// since there its light outshines what is diffuse and lobe samples are far better; else of the diffuse one K/2, which
+/// is near the lamp. (Diffuse lobe samples beside glossy ones as a third kind: 0.87 to 1.09 of the error in equal time,
+/// so not kept. N = K beside K for lobes that show somewhat less of it: up to 1.5 of the better part's, so not kept.)
 ///
 /// Filtered, a glossy lobe's samples stand for the footprint of Ω = 1/b and look up the average L̄ (RayLight). A weight
 /// that changed within a footprint would count what is averaged twice, or not at all: q_m is then, in the weights of
@@ -83,7 +83,7 @@ class Mis final : public HostMethod {
   RayLight rays_;
   LightSamples lights_;
   std::vector<std::size_t> by_number_;  ///< of a measured cell of the grid its place in lights_
-  std::vector<LobePoint> diffuse_, wide_, narrow_;
+  std::vector<LobePoint> diffuse_, glossy_;
 };
 
 }  // namespace lumifield

@@ -44,8 +44,7 @@ Status MisDevice::make_points() {
   const PointSet set(settings_.sequence, settings_.samples, settings_.seed);
   shared_.points = static_cast<int>(set.points().size());
   const MisCounts counts = mis_counts(settings_.samples);
-  shares_ = {
-      counts.light, counts.light_beside, counts.light_apart, counts.diffuse, counts.wide, counts.narrow, 0, 0, 0};
+  shares_ = {counts.light, counts.light_beside, counts.light_apart, counts.diffuse, counts.glossy, 0, 0};
   if (Status done = device_->fill(points_, set.points(), "points"); !done) return done;
   const auto fill = [&](DeviceBuffer& buffer, int n, LobeDraws kind, int& table) {
     const std::vector<LobePoint> points = lobe_points(settings_.sequence, n, settings_.seed, kind);
@@ -53,8 +52,7 @@ Status MisDevice::make_points() {
     return device_->fill(buffer, points, "points");
   };
   if (Status done = fill(diffuse_, counts.diffuse, LobeDraws::diffuse, shares_.diffuse_points); !done) return done;
-  if (Status done = fill(wide_, counts.wide, LobeDraws::glossy, shares_.wide_points); !done) return done;
-  if (Status done = fill(narrow_, counts.narrow, LobeDraws::glossy, shares_.narrow_points); !done) return done;
+  if (Status done = fill(glossy_, counts.glossy, LobeDraws::glossy, shares_.glossy_points); !done) return done;
   return device_->fill(cells_, sampling_cells(geometry_.sampling, numbers_, settings_.seed), "cells");
 }
 
@@ -62,7 +60,7 @@ double MisDevice::rays_of_a_receiver() const {
   const MisCounts counts = mis_counts(settings_.samples);
   const double diffuse = counts.light + counts.diffuse;
   if (gloss_channels() == 0) return diffuse;
-  return std::max({diffuse, counts.light + counts.wide, counts.light_apart + counts.narrow});
+  return std::max(diffuse, counts.light_apart + counts.glossy);
 }
 
 unsigned MisDevice::set_arguments(DeviceKernel& kernel) {
@@ -72,7 +70,7 @@ unsigned MisDevice::set_arguments(DeviceKernel& kernel) {
   kernel.set(number++, rays);
   kernel.set(number++, shares_);
   for (const DeviceBuffer& buffer : {receivers_, cells_, images_.slots(), images_.levels(), images_.images(),
-                                     tables_.tables(), tables_.columns(), points_, diffuse_, wide_, narrow_, sums_})
+                                     tables_.tables(), tables_.columns(), points_, diffuse_, glossy_, sums_})
     kernel.set(number++, buffer);
   return number;
 }

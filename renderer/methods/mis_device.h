@@ -24,7 +24,7 @@ class MisDevice final : public SampledDevice {
 
   RayImages images_;
   LightTables tables_;
-  DeviceBuffer cells_, points_, diffuse_, wide_, narrow_;
+  DeviceBuffer cells_, points_, diffuse_, glossy_;
   std::vector<int> numbers_;  ///< of the cells in the grid
   MisShares shares_{};
 };

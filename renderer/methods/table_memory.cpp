@@ -15,7 +15,7 @@ double lobe_table_bytes(const MethodSettings& settings) {
   if (settings.method == Method::filtered_brdf) return 2 * bytes(whole_samples(settings.samples));
   if (settings.method != Method::mis) return 0;
   const MisCounts counts = mis_counts(settings.samples);
-  return bytes(counts.diffuse) + bytes(counts.wide) + bytes(counts.narrow);
+  return bytes(counts.diffuse) + bytes(counts.glossy);
 }
 
 double host_table_bytes(const LuminaireGeometry& geometry, const MethodSettings& settings, int cells) {

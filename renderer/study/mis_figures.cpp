@@ -6,7 +6,6 @@
 #include <functional>
 #include <span>
 
-#include "renderer/sampling/sequence.h"
 #include "renderer/study/ladder.h"
 #include "renderer/study/ladder_rows.h"
 #include "renderer/study/reference_cache.h"
@@ -16,13 +15,15 @@ namespace lumifield {
 
 namespace {
 
-constexpr int width = 256, height = 192, most_receivers = 1024, seeds = 6;
-constexpr std::uint32_t strata_seed = 7, mirror_seed = 11;
+constexpr int width = 256, height = 192, scored_receivers = 1024, timed_receivers = 8192, seeds = 6;
+constexpr std::uint32_t strata_seed = 7;
 constexpr std::array compared{Method::position_dependent, Method::filtered_brdf, Method::mis};
 
-/// Some receivers of a frame with their reference.
+/// Some receivers of a frame with their reference, and more of them to tell the time by: PoCL's second thread may wake
+/// milliseconds late, which is half the time of 1,024.
 struct Scored {
   StudyFrame frame;  ///< of them alone, pixel by pixel as they are numbered
+  StudyFrame timed;
   std::vector<double> reference;
   std::size_t channels;
 
@@ -39,13 +40,15 @@ struct Scored {
   }
 };
 
-/// Every eye where it sees a point of the lamp, or beside it by a tenth, mirrored.
+/// Every eye where it sees a point of the lamp, or beside it by a tenth, mirrored: from pixel to pixel a little
+/// further, as by a curved mirror, with `images` of the lamp each way in the frame.
 void mirror(const Sampling& sampling, StudyFrame& frame) {
+  constexpr double images = 3;
   const Vec2 size = 1.2 * sampling.spacing_mm.cwiseProduct(Vec2(sampling.columns, sampling.rows));
   for (std::size_t k = 0; k < frame.receivers.size(); ++k) {
     const Receiver& r = frame.receivers[k];
-    const auto number = static_cast<std::uint32_t>(k);
-    const Vec2 share(unit(hash(2 * number, mirror_seed, 0)) - 0.5, unit(hash(2 * number + 1, mirror_seed, 0)) - 0.5);
+    const Vec2 place(static_cast<double>(k % width) / width, static_cast<double>(k / width) / height);
+    const Vec2 share = (images * place).array() - (images * place).array().floor() - 0.5;
     const Vec2 at = sampling.center_mm + size.cwiseProduct(share);
     const Vec3 to = (Vec3(at.x(), at.y(), 0) - r.p_mm).normalized(), eye = 2 * r.n.dot(to) * r.n - to;
     GlossLobe& lobe = frame.appearance.gloss[k];
@@ -55,66 +58,106 @@ void mirror(const Sampling& sampling, StudyFrame& frame) {
   }
 }
 
+/// Of a frame so many receivers at most, evenly, each a pixel.
+StudyFrame part_of(const StudyFrame& all, std::vector<std::size_t> chosen, std::size_t most) {
+  const std::size_t step = (chosen.size() + most - 1) / most;
+  for (std::size_t k = 0; k * step < chosen.size(); ++k) chosen[k] = chosen[k * step];
+  chosen.resize((chosen.size() + step - 1) / step);
+  StudyFrame part;
+  part.materials = all.materials;
+  part.receivers = all.receivers_at(chosen);
+  part.appearance = all.appearance_at(chosen);
+  for (const std::size_t pixel : chosen)
+    for (std::size_t c = 0; c < 4; ++c) {
+      part.gbuffer.normal.push_back(all.gbuffer.normal[4 * pixel + c]);
+      if (!all.gbuffer.reflectance.empty()) part.gbuffer.reflectance.push_back(all.gbuffer.reflectance[4 * pixel + c]);
+    }
+  return part;
+}
+
+std::vector<std::size_t> lit_receivers(const StudyFrame& frame) {
+  std::vector<std::size_t> lit;
+  for (std::size_t k = 0; k < frame.receivers.size(); ++k)
+    if (frame.receivers[k].n != Vec3(0, 0, 0)) lit.push_back(k);
+  return lit;
+}
+
 Result<Scored> scored(StudyCamera& camera, const LightField& light_field, double roughness, bool mirrored,
                       const std::filesystem::path& cache) {
   auto all = camera.frame(width, height, light_field, {.roughness = roughness});
   if (!all) return tl::unexpected(all.error());
-  std::vector<std::size_t> chosen = stratified_receivers(*all, strata_seed);
-  const std::size_t step = chosen.size() / most_receivers + 1;
-  for (std::size_t k = 0; k * step < chosen.size(); ++k) chosen[k] = chosen[k * step];
-  chosen.resize((chosen.size() + step - 1) / step);
+  if (mirrored) mirror(light_field.geometry().sampling, *all);
+  const std::vector<std::size_t> chosen = stratified_receivers(*all, strata_seed);
   if (chosen.empty()) return fail("no surface beyond S is seen", "the scene", "turn the camera or the luminaire");
-  Scored some{{}, {}, light_field.geometry().channels.size()};
-  some.frame.materials = all->materials;
-  some.frame.receivers = all->receivers_at(chosen);
-  some.frame.appearance = all->appearance_at(chosen);
-  for (const std::size_t pixel : chosen)
-    for (std::size_t c = 0; c < 4; ++c) {
-      some.frame.gbuffer.normal.push_back(all->gbuffer.normal[4 * pixel + c]);
-      if (!all->gbuffer.reflectance.empty())
-        some.frame.gbuffer.reflectance.push_back(all->gbuffer.reflectance[4 * pixel + c]);
-    }
-  if (mirrored) mirror(light_field.geometry().sampling, some.frame);
+  Scored some{part_of(*all, chosen, scored_receivers),
+              part_of(*all, lit_receivers(*all), timed_receivers),
+              {},
+              light_field.geometry().channels.size()};
   const auto light = cached_reference(light_field, some.frame.receivers, some.frame.appearance, cache);
   if (!light) return tl::unexpected(light.error());
-  const auto gloss = light->begin() + static_cast<std::ptrdiff_t>(chosen.size() * some.channels);
+  const auto gloss = light->begin() + static_cast<std::ptrdiff_t>(some.frame.receivers.size() * some.channels);
   const StudyLight truth{{light->begin(), gloss}, {gloss, light->end()}};
-  for (std::size_t k = 0; k < chosen.size(); ++k)
+  for (std::size_t k = 0; k < some.frame.receivers.size(); ++k)
     for (const double value : some.frame.seen(truth, k, k, some.channels)) some.reference.push_back(value);
   if (!(some.mean() > 0)) return fail("the luminaire lights nothing that is seen", "the scene", "turn it");
   return some;
 }
 
-/// A method with the luminaire's cells, at one K: the least kernel time of its runs, since other work only adds to it.
+/// A method with the luminaire's cells, at one K.
 struct Point {
   DeviceMethod* method;
   double samples;
-  double s = HUGE_VAL;
-  RelativeRmse error{};  ///< over all seeds
 };
 using Told = std::function<bool()>;
-/// Run by run of all, so that what slows a while slows them alike.
-Status run(std::span<Point> points, const Scored& scored, const Told& told) {
-  for (int seed = 1; seed <= seeds; ++seed)
-    for (Point& point : points) {
-      if (!told()) return study_stopped();
-      if (const Status set = point.method->set_samples(point.samples, static_cast<std::uint32_t>(seed)); !set)
-        return set;
-      StudyLight light;
-      const auto took = timed_evaluation(*point.method, scored.frame, 1, light);
-      if (!took) return tl::unexpected(took.error());
-      point.s = std::min(point.s, *took);
-      scored.judge(light, point.error);
-    }
+
+Status light_of(const Point& point, int seed, const StudyFrame& frame, StudyLight& light, double& s) {
+  if (const Status set = point.method->set_samples(point.samples, static_cast<std::uint32_t>(seed)); !set) return set;
+  const auto took = timed_evaluation(*point.method, frame, 1, light);
+  if (!took) return tl::unexpected(took.error());
+  s = *took;
   return {};
 }
 
-StudyPoint as_study_point(const Point& point) {
-  StudyPoint as;
-  as.cost = point.samples;
-  as.time_ms = 1e3 * point.s;
-  as.rel_rmse = point.error.value();
-  return as;
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+/// Points beside the last of them, by whose time theirs is told: a machine's speed drifts by a third within seconds, so
+/// all take turns, for `least_s` or five rounds, and count by the median of their ratios to the last one's.
+Result<std::vector<StudyPoint>> run(std::span<const Point> points, const Scored& scored, const Told& told) {
+  constexpr double least_s = 8;
+  constexpr std::size_t least_rounds = 5;
+  std::vector<StudyPoint> all;
+  StudyLight light;
+  for (const Point& point : points) {
+    RelativeRmse error;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      double s = 0;
+      if (!told()) return study_stopped();
+      if (const Status done = light_of(point, seed, scored.frame, light, s); !done) return tl::unexpected(done.error());
+      scored.judge(light, error);
+    }
+    StudyPoint& as = all.emplace_back();
+    as.cost = point.samples;
+    as.rel_rmse = error.value();
+  }
+  std::vector<std::vector<double>> ratios(points.size());
+  std::vector<double> last;
+  for (double total = 0; last.size() < least_rounds || total < least_s;) {
+    std::vector<double> took;
+    for (const Point& point : points) {
+      double& s = took.emplace_back();
+      if (!told()) return study_stopped();
+      if (const Status done = light_of(point, 1, scored.timed, light, s); !done) return tl::unexpected(done.error());
+      total += s;
+    }
+    for (std::size_t k = 0; k < took.size(); ++k) ratios[k].push_back(took[k] / took.back());
+    last.push_back(took.back());
+  }
+  for (std::size_t k = 0; k < points.size(); ++k) all[k].time_ms = 1e3 * median_of(last) * median_of(ratios[k]);
+  return all;
 }
 
 /// mis, and ladders of the others, that hold its time between two points where they can.
@@ -128,16 +171,20 @@ Result<Compared> compare(const std::array<DeviceMethod*, 3>& methods, const Scor
   std::vector<Point> points;
   for (std::size_t m = 0; m < 2; ++m)
     for (const double rung : rungs) points.push_back({methods[m], rung * usual});
-  points.push_back({methods[2], usual});
-  if (const Status ran = run(points, scored, told); !ran) return tl::unexpected(ran.error());
-  Compared all{as_study_point(points.back()), {}};
+  const Point mis{methods[2], usual};
+  points.push_back(mis);
+  const auto ran = run(points, scored, told);
+  if (!ran) return tl::unexpected(ran.error());
+  Compared all{ran->back(), {}};
   for (std::size_t m = 0; m < 2; ++m) {
+    const auto first = ran->begin() + static_cast<std::ptrdiff_t>(rungs.size() * m);
     std::vector<StudyPoint>& ladder = all.parts[m];
-    for (std::size_t k = 0; k < rungs.size(); ++k) ladder.push_back(as_study_point(points[rungs.size() * m + k]));
+    ladder.assign(first, first + rungs.size());
     while (const auto samples = next_cost(ladder, all.mis.time_ms, 1, most)) {
-      Point more{methods[m], *samples};
-      if (const Status ran = run({&more, 1}, scored, told); !ran) return tl::unexpected(ran.error());
-      ladder.push_back(as_study_point(more));
+      const auto more = run(std::array{Point{methods[m], *samples}, mis}, scored, told);
+      if (!more) return tl::unexpected(more.error());
+      ladder.push_back(more->front());
+      ladder.back().time_ms *= all.mis.time_ms / more->back().time_ms;
     }
   }
   return all;

@@ -82,8 +82,7 @@ TEST(MethodBounds, DirectionsTake32BytesEachAndTheTwisterHasFourTables) {
   EXPECT_EQ(bytes(Method::filtered_brdf, most_samples, PointSequence::twister), 4 * 640e6);
   EXPECT_EQ(bytes(Method::position_dependent, most_samples, PointSequence::halton), 0);
   const MisCounts counts = mis_counts(most_samples);
-  EXPECT_EQ(bytes(Method::mis, most_samples, PointSequence::halton),
-            32.0 * counts.diffuse + 32.0 * counts.wide + 32.0 * counts.narrow);
+  EXPECT_EQ(bytes(Method::mis, most_samples, PointSequence::halton), 32.0 * counts.diffuse + 32.0 * counts.glossy);
   for (const PointSequence sequence : {PointSequence::halton, PointSequence::twister})
     for (const int n : {1, 100, 5000})
       EXPECT_EQ(lobe_points(sequence, n, 1, LobeDraws::glossy).size(), lobe_table(sequence, n));

@@ -34,7 +34,7 @@ TEST_P(MisDevice, DrawsAndWeighsAsItsHostFormDoes) {
 TEST(MisStructs, LieAlike) {
   if (const auto found = probe_opencl(); !found) GTEST_SKIP() << found.error().message();
   EXPECT_EQ(test::layout_by("mis", "mis_layout", 3),
-            (std::vector<int>{sizeof(MisShares), offsetof(MisShares, diffuse), offsetof(MisShares, narrow_points)}));
+            (std::vector<int>{sizeof(MisShares), offsetof(MisShares, diffuse), offsetof(MisShares, glossy_points)}));
 }
 
 }  // namespace

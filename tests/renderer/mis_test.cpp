@@ -18,7 +18,7 @@ using namespace test;
 
 const Case inside_grazing{"grazing", {{6, -4, 40}, Vec3(0.9, 0.2, -0.2).normalized()}};
 
-/// Every kind of mixture: no lobe samples; diffuse ones; of a wide lobe; of narrow ones.
+/// Every kind of mixture: no lobe samples; diffuse ones; glossy ones, weighed and apart.
 struct Mixed {
   const char* name;
   Case at;
@@ -56,7 +56,7 @@ TEST(Mis, WeighsByTheDensitiesThatSamplesHave) {
   const Mis form(field, {.method = Method::mis, .samples = samples, .filter = false});
   const std::vector<SampledCell> cells = sampled_cells(field);
   const Look narrow = shining(beyond.receiver, LOBE_GGX, 0.04F);
-  for (const auto& [c, look, n, k] : {std::tuple(beyond, narrow, counts.narrow, counts.light_beside),
+  for (const auto& [c, look, n, k] : {std::tuple(beyond, narrow, counts.glossy, counts.light_beside),
                                       {between, Look{}, counts.diffuse, counts.light}}) {
     const ReceiverView view(g, basis, c.receiver);
     double all = 0;
@@ -140,7 +140,7 @@ TEST(Mis, IsLobeSamplesWhereThereAreNoneOfTheLight) {
     for (const Case& c : {beyond, near_s, between}) {
       const Look look = shining(c.receiver, LOBE_GGX, 0.04F);
       const MethodSettings settings{.method = Method::mis, .samples = 40, .filter = filter};
-      const double mis = Mis(field, settings, MisCounts{0, 0, 0, 40, 40, 40}).light(c.receiver, 3, look).value()[1];
+      const double mis = Mis(field, settings, MisCounts{0, 0, 0, 40, 40}).light(c.receiver, 3, look).value()[1];
       const double lobes = FilteredBrdf(field, settings).light(c.receiver, 3, look).value()[1];
       EXPECT_GT(lobes, 0) << c.name;
       EXPECT_NEAR(mis, lobes, 1e-12 * lobes) << c.name;

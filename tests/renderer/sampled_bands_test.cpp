@@ -49,7 +49,7 @@ TEST_F(SampledBands, LobeSamplesAreKOfEachKind) {
 TEST_F(SampledBands, OfTwoTechniquesTheMostOfBothCount) {
   const MisCounts n = mis_counts(samples);
   EXPECT_EQ(first_band(Method::mis, false), std::floor(first_rays / (n.light + n.diffuse)));
-  const double most = std::max({n.light + n.diffuse, n.light + n.wide, n.light_apart + n.narrow});
+  const double most = std::max(n.light + n.diffuse, n.light_apart + n.glossy);
   EXPECT_GT(most, 2 * samples);
   EXPECT_EQ(first_band(Method::mis, true), std::floor(first_rays / most));
 }
