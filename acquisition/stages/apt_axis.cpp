@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
 
 namespace lumifield {
 namespace {
@@ -44,9 +45,7 @@ tl::unexpected<Error> AptAxis::trouble(const std::string& what, const std::strin
 }
 
 Result<AptStatus> AptAxis::status() {
-  const AptId question = setup_.is_stepper ? AptId::req_status : AptId::req_dc_status;
-  const AptId answer = setup_.is_stepper ? AptId::get_status : AptId::get_dc_status;
-  const Result<AptMessage> told = unit_.ask(message(question), answer);
+  const Result<AptMessage> told = unit_.ask(status_question(), status_answer());
   if (!told) return tl::unexpected(told.error());
   const std::optional<AptStatus> status = parse_apt_status(*told);
   if (!status) return trouble("sends a short status message", "check the controller's firmware");
@@ -110,8 +109,8 @@ Result<double> AptAxis::position() {
 Status AptAxis::begin(const AptMessage& order, AptId ends_with, double target_mm) {
   ends_with_ = ends_with, target_mm_ = target_mm;
   ended_ = false, unanswered_ = 0;
+  if (Status settled = unit_.settle(setup_.address); !settled) return settled;
   moved_ = asked_ = Clock::now();
-  unit_.forget(setup_.address);
   return unit_.send(order);
 }
 
@@ -144,7 +143,7 @@ Status AptAxis::ask_again() {
   if (unanswered_ == AptUnit::answer_waits) return unit_.silent(setup_.address, "2 s");
   ++unanswered_;
   asked_ = now;
-  return unit_.send(message(setup_.is_stepper ? AptId::req_status : AptId::req_dc_status));
+  return unit_.send(status_question());
 }
 
 /// Ended it is once the last question is answered, too: its answer would pass for that to the next one.
@@ -153,7 +152,8 @@ Result<bool> AptAxis::watch() {
   if (ended_ && unanswered_ == 0) return true;
   const Result<std::optional<AptMessage>> came = unit_.receive(setup_.address, listen_time);
   if (!came) return tl::unexpected(came.error());
-  if (*came && ((*came)->id == AptId::get_status || (*came)->id == AptId::get_dc_status)) unanswered_ = 0;
+  if (*came && (*came)->id == status_answer())
+    unit_.owes(setup_.address, status_answer(), std::exchange(unanswered_, 0) - 1);
   if (!ended_) {
     const Result<bool> well = *came ? judge(**came) : false;
     if (!well) return well;

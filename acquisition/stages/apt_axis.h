@@ -48,6 +48,8 @@ class AptAxis {
   using Clock = std::chrono::steady_clock;
   AptMessage message(AptId id, std::uint8_t param1 = 1, std::uint8_t param2 = 0) const;
   AptMessage message(AptId id, std::vector<std::uint8_t> data) const;
+  AptMessage status_question() const { return message(setup_.is_stepper ? AptId::req_status : AptId::req_dc_status); }
+  AptId status_answer() const { return setup_.is_stepper ? AptId::get_status : AptId::get_dc_status; }
   Result<AptStatus> status();
   double to_mm(std::int32_t counts) const { return setup_.direction * counts / setup_.counts_per_mm; }
   tl::unexpected<Error> trouble(const std::string& what, const std::string& remedy) const;

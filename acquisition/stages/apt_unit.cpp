@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 namespace lumifield {
 namespace {
@@ -96,15 +97,27 @@ Result<std::optional<AptMessage>> AptUnit::await(std::uint8_t source, AptId answ
   return std::nullopt;
 }
 
+Status AptUnit::settle(std::uint8_t source) {
+  if (Status came = read(milliseconds(0)); !came) return came;
+  const Owed owed = std::exchange(owed_[source], {});
+  const Clock::time_point deadline = Clock::now() + answer_waits * answer_time;
+  for (int k = 0; k < owed.count; ++k) {
+    const Result<std::optional<AptMessage>> late = await(source, owed.answer, left_until(deadline));
+    if (!late) return tl::unexpected(late.error());
+  }
+  inbox_[source].clear();
+  return {};
+}
+
 Result<AptMessage> AptUnit::ask(const AptMessage& request, AptId answer) {
-  // What has come before answers an earlier question.
-  if (Status came = read(milliseconds(0)); !came) return tl::unexpected(came.error());
-  inbox_[request.destination].clear();
+  if (Status settled = settle(request.destination); !settled) return tl::unexpected(settled.error());
   for (int wait = 0; wait < answer_waits; ++wait) {
     if (Status sent = send(request); !sent) return tl::unexpected(sent.error());
     Result<std::optional<AptMessage>> message = await(request.destination, answer, answer_time);
     if (!message) return tl::unexpected(message.error());
-    if (*message) return std::move(**message);
+    if (!*message) continue;
+    owes(request.destination, answer, wait);
+    return std::move(**message);
   }
   return silent(request.destination, "2 s");
 }

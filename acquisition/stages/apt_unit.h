@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <map>
@@ -39,10 +40,15 @@ class AptUnit {
 
   /// The next message of this source; none when none came in time.
   Result<std::optional<AptMessage>> receive(std::uint8_t source, Milliseconds timeout);
-  /// Forgets what came from this source up to its last answer.
-  void forget(std::uint8_t source) { inbox_[source].clear(); }
+  /// So many more of these answers may still come (−1: one came): questions were asked again, and answered once.
+  void owes(std::uint8_t source, AptId answer, int more) {
+    owed_[source] = {answer, std::max(owed_[source].count + more, 0)};
+  }
+  /// Waits for the answers owed, twice 1 s at most, then they are lost; forgets what came from this source. Messages
+  /// have no number: a late answer would pass for that to a later question.
+  Status settle(std::uint8_t source);
 
-  /// Sends a request and waits for its answer, twice 1 s at most; other messages of that source are forgotten.
+  /// Settles, sends a request and waits for its answer, twice 1 s at most; other messages of that source are forgotten.
   Result<AptMessage> ask(const AptMessage& request, AptId answer);
 
   tl::unexpected<Error> silent(std::uint8_t source, const std::string& duration) const;
@@ -59,7 +65,12 @@ class AptUnit {
   std::unique_ptr<FtdiLink> link_;
   AptReader reader_;
   std::map<std::uint8_t, std::deque<AptMessage>> inbox_;  ///< by source
-  std::size_t dropped_before_ = 0;                        ///< bytes that were unreadable up to the last message
+  struct Owed {
+    AptId answer;
+    int count = 0;
+  };
+  std::map<std::uint8_t, Owed> owed_;  ///< by source
+  std::size_t dropped_before_ = 0;     ///< bytes that were unreadable up to the last message
 };
 
 /// "bay 1" of a source, "" of a unit.

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -44,6 +45,13 @@ struct AptController::Impl {
   Clock::time_point advanced = Clock::now();
   std::optional<Clock::time_point> prepare_at;
   bool silent = false;
+  milliseconds delay{0};
+  struct Late {
+    Clock::time_point due;
+    std::size_t unit;
+    Bytes bytes;
+  };
+  std::deque<Late> late;  // as they were sent
 
   std::jthread thread;  // the last, so that it ends before what it uses
 
@@ -90,7 +98,14 @@ struct AptController::Impl {
   std::size_t unit_of(std::size_t axis) const { return is_pair() ? axis : 0; }
 
   void send(std::size_t unit, const Bytes& bytes) {
-    if (!silent && !bytes.empty()) chips[unit]->send(bytes);
+    if (silent || bytes.empty()) return;
+    late.push_back({Clock::now() + delay, unit, bytes});
+    send_due();
+  }
+
+  void send_due() {
+    for (; !late.empty() && late.front().due <= Clock::now(); late.pop_front())
+      chips[late.front().unit]->send(late.front().bytes);
   }
 
   void run(std::stop_token stop) {
@@ -103,7 +118,8 @@ struct AptController::Impl {
           while (const std::optional<Bytes> message = next(lines[unit])) take(unit, *message);
           busy = chips[unit]->tick() || busy;
         }
-        busy = busy || axes[0].moving() || axes[1].moving();
+        send_due();
+        busy = busy || axes[0].moving() || axes[1].moving() || !late.empty();
         if (prepare_at && Clock::now() >= *prepare_at) {
           prepare_at.reset();
           if (prepare) prepare({axes[0].motor.true_target_mm().x(), axes[1].motor.true_target_mm().x()});
@@ -200,6 +216,12 @@ void AptController::trip_limit() {
 }
 void AptController::trip_motion_error() {
   impl_->now([&] { impl_->axes[0].trip_motion_error(); });
+}
+void AptController::delay(milliseconds by) {
+  impl_->now([&] { impl_->delay = by; });
+}
+void AptController::say(const std::vector<std::uint8_t>& bytes) {
+  impl_->now([&] { impl_->send(0, bytes); });
 }
 Status AptController::unplug(bool out) {
   for (const auto& chip : impl_->chips) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -56,6 +58,10 @@ class AptController final : public StageServer {
   void trip_limit() override;  ///< of the x axis
   Status unplug(bool out) override;
   void trip_motion_error();  ///< of the x axis
+  /// What is sent from now on arrives so much later.
+  void delay(std::chrono::milliseconds by);
+  /// The x axis's unit sends this unasked.
+  void say(const std::vector<std::uint8_t>& bytes);
 
  private:
   struct Impl;
