@@ -51,31 +51,41 @@ Status set_packets(ArvCamera* camera, const CameraSettings& settings, const Stre
   return set_delay(camera, settings, packets.delay_us);
 }
 
-/// How many test frames arrive complete.
-int try_packets(ArvCamera* camera, const CameraSettings& settings, const AppliedSettings& applied,
-                const StreamPackets& packets) {
-  if (!set_packets(camera, settings, packets)) return 0;
-  GFault fault;
+/// How many test frames arrive complete. Error: what the camera refuses on the way.
+Result<int> try_packets(ArvCamera* camera, const CameraSettings& settings, const AppliedSettings& applied,
+                        const StreamPackets& packets) {
+  if (Status set = set_packets(camera, settings, packets); !set) return tl::unexpected(set.error());
+  GFault fault, stop_fault;
   const double exposure_s = std::clamp(test_exposure_s, applied.shortest_s, applied.longest_s);
   arv_camera_set_exposure_time(camera, exposure_s * us_per_s, fault.out());
+  if (fault) return refused(settings, "an exposure of " + number(exposure_s) + " s", fault);
   Result<AravisStream> stream = AravisStream::start(camera, settings, applied);
-  if (fault || !stream) return 0;
+  if (!stream) return tl::unexpected(stream.error());
   int complete = 0;
   for (int frame = 0; frame < frames_per_try; ++frame) {
     arv_camera_software_trigger(camera, fault.out());
+    if (fault) break;
     const AravisStream::Arrival arrival = stream->next(exposure_s + settings.readout_s + watchdog_s);
     if (arrival.image) ++complete;
-    if (fault || !arrival.came || (frame > 0 && complete == 0)) break;
+    if (!arrival.came || (frame > 0 && complete == 0)) break;
   }
-  arv_camera_stop_acquisition(camera, fault.out());
-  return fault ? 0 : complete;
+  arv_camera_stop_acquisition(camera, stop_fault.out());
+  if (fault) return refused(settings, "a software trigger", fault);
+  if (stop_fault) return refused(settings, "a stop of the acquisition", stop_fault);
+  return complete;
 }
 
 Result<StreamPackets> find(ArvCamera* camera, const CameraSettings& settings, const AppliedSettings& applied,
                            const SizeRange& range) {
-  const auto ask = [&](const StreamPackets& packets) { return try_packets(camera, settings, applied, packets); };
+  std::optional<Error> refusal;  // others may be taken
+  const auto ask = [&](const StreamPackets& packets) {
+    const Result<int> complete = try_packets(camera, settings, applied, packets);
+    if (!complete) refusal = complete.error();
+    return complete.value_or(0);
+  };
   const std::optional<StreamPackets> found = find_packets(range.low, range.high, range.step, ask);
   if (found) return *found;
+  if (refusal) return tl::unexpected(*refusal);
   return error(
       settings, "no frame arrives complete, whatever the size of its packets",
       "check cable, firewall and its exposure, raise net.core.rmem_max to 8 MiB, or set packet_bytes yourself");

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "acquisition/cameras/aravis_automatics.h"
+#include "acquisition/cameras/aravis_selectors.h"
 
 namespace lumifield {
 namespace {
@@ -24,11 +25,14 @@ struct Applying {
   const CameraSettings& settings;
   AppliedSettings applied;
 
+  Status mirrors() { return switch_mirrors_off(camera, settings); }
   Status pixel_format();
   Status binning();
   Status full_region();
   Status automatics() { return switch_automatics_off(camera, settings); }
   Status gain();
+  Status gain_alone();
+  Status no_gain(const std::string& place);
   Status trigger();
 
   tl::unexpected<Error> error(std::string what, std::string remedy) const {
@@ -111,7 +115,39 @@ Status Applying::full_region() {
   return {};
 }
 
+/// No gain beside the one that is measured with, which is selected last: it undoes what was set under an alias of it.
+Status Applying::gain_alone() {
+  constexpr const char* selector = "GainSelector";
+  const Result<std::vector<std::string>> offered = offered_values(camera, settings, selector);
+  if (!offered) return tl::unexpected(offered.error());
+  if (offered->empty()) return {};
+  const Result<std::string> selected = selected_value(camera, settings, selector);
+  if (!selected) return tl::unexpected(selected.error());
+  std::string wanted = *selected;
+  for (const char* whole : {"AnalogAll", "All"})
+    if (std::ranges::find(*offered, whole) != offered->end()) wanted = whole;
+  for (const std::string& other : *offered) {
+    if (other == wanted) continue;
+    if (Status taken = select_value(camera, settings, selector, other); !taken) return taken;
+    if (Status none = no_gain(place_of(selector, other)); !none) return none;
+  }
+  return select_value(camera, settings, selector, wanted);
+}
+
+Status Applying::no_gain(const std::string& place) {
+  GFault ignored, fault;
+  const bool is_there = arv_camera_is_gain_available(camera, fault.out());
+  if (!fault && !is_there) return {};
+  arv_camera_set_gain(camera, 0, ignored.out());
+  const double kept_db = arv_camera_get_gain(camera, fault.out());
+  if (fault) return refused(settings, "a question for its gain" + place, fault);
+  if (std::abs(kept_db) <= gain_tolerance_db) return {};
+  return error("changes values by a second gain: Gain stays " + number(kept_db) + " dB" + place,
+               "set it to 0 dB with the maker's program, or use another camera");
+}
+
 Status Applying::gain() {
+  if (Status alone = gain_alone(); !alone) return alone;
   GFault fault;
   const bool is_there = arv_camera_is_gain_available(camera, fault.out());
   if (fault) return refused(settings, "a question for its gain", fault);
@@ -159,8 +195,8 @@ std::string GFault::text() const { return error_ == nullptr ? "" : error_->messa
 Result<AppliedSettings> apply_settings(ArvCamera* camera, const CameraSettings& settings) {
   Applying applying{camera, settings, {}};
   using Step = Status (Applying::*)();
-  for (const Step step : {&Applying::pixel_format, &Applying::binning, &Applying::full_region, &Applying::automatics,
-                          &Applying::gain, &Applying::trigger})
+  for (const Step step : {&Applying::mirrors, &Applying::pixel_format, &Applying::binning, &Applying::full_region,
+                          &Applying::automatics, &Applying::gain, &Applying::trigger})
     if (Status done = (applying.*step)(); !done) return tl::unexpected(done.error());
   return applying.applied;
 }

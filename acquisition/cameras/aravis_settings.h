@@ -42,8 +42,10 @@ struct AppliedSettings {
   }
 };
 
-/// Sets pixel format, binning, full region, automatics off (aravis_automatics.h), gain and software trigger, and reads
-/// them back. Errors: a value that the camera does not offer, with those it does; one that it took otherwise.
+/// Sets mirrors off, pixel format, binning, full region, automatics off (aravis_automatics.h), gain and software
+/// trigger, and reads them back. The gain is that of GainSelector All, else AnalogAll, else the one selected; those of
+/// its other values are 0 dB. Errors: a value that the camera does not offer, with those it does; one that it took
+/// otherwise.
 Result<AppliedSettings> apply_settings(ArvCamera* camera, const CameraSettings& settings);
 
 /// "camera does not take WHAT (its own words)".

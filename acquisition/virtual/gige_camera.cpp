@@ -21,6 +21,7 @@
 #include "acquisition/virtual/gige_description.h"
 #include "acquisition/virtual/gige_pixels.h"
 #include "acquisition/virtual/gige_processing.h"
+#include "acquisition/virtual/gige_registers.h"
 
 namespace lumifield::virtual_bench {
 
@@ -29,28 +30,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-// Registers of resources/virtual-camera.xml, and those of GigE Vision's bootstrap area.
-namespace registers {
-constexpr guint32 trigger_mode = 0x2000, trigger_source = 0x2004, trigger_software = 0x2008;
-constexpr guint32 exposure_time = 0x2010, gain = 0x2018;
-constexpr guint32 binning_horizontal = 0x2030, binning_vertical = 0x2034;
-constexpr guint32 exposure_auto = 0x2040, gain_auto = 0x2044, black_level_auto = 0x2048, balance_white_auto = 0x204c;
-constexpr guint32 gamma_enable = 0x2050, gamma = 0x2058, lut_enable = 0x2060;
-constexpr guint32 vendor = 0x48, model = 0x68, stream_packet_size = 0xd04, stream_port = 0xd00;
-}  // namespace registers
 constexpr guint32 name_bytes = 32, serial_bytes = 16;
 constexpr guint16 gvcp_port = 3956;
 constexpr double shortest_exposure_us = 10, longest_exposure_us = 1e7;
 
-struct Automatic {
-  const char* feature;
-  guint32 address, on;
-};
-constexpr Automatic automatics[] = {
-    {"ExposureAuto", registers::exposure_auto, 2},      {"GainAuto", registers::gain_auto, 2},
-    {"BlackLevelAuto", registers::black_level_auto, 2}, {"BalanceWhiteAuto", registers::balance_white_auto, 2},
-    {"GammaEnable", registers::gamma_enable, 1},        {"LUTEnable", registers::lut_enable, 1}};
-constexpr double factory_gamma = 0.45, automatic_exposure_us = 20000, automatic_gain_db = 6;
+constexpr double automatic_exposure_us = 20000, automatic_gain_db = 6;
 
 // The simulator says that it runs when its port is taken: this asks the kernel first.
 Status check_address(const std::string& address) {
@@ -80,13 +64,15 @@ int open_description(const std::string& xml) {
   return -1;
 }
 
-double gamma_at_start(const GigeCameraOptions& options) { return options.automatics ? factory_gamma : 1; }
+double at_start(const GigeLeftover& setting, const GigeCameraOptions& options) {
+  return options.automatics ? setting.left : setting.harmless;
+}
 
 std::map<std::string, double> stuck_values(const GigeCameraOptions& options) {
   std::map<std::string, double> values;
-  for (const std::string& feature : options.stuck) values[feature] = gamma_at_start(options);
-  for (const Automatic& each : automatics)
-    if (values.contains(each.feature)) values[each.feature] = options.automatics ? each.on : 0;
+  for (const GigeLeftover& each : leftovers)
+    if (std::ranges::find(options.stuck, each.feature) != options.stuck.end())
+      values[each.feature] = at_start(each, options);
   return values;
 }
 
@@ -156,13 +142,22 @@ struct GigeCamera::Impl {
     for (const auto& [address, value] : values) set(address, value);
     set_double(registers::exposure_time, 10000);
     set_double(registers::gain, 0);
-    set_double(registers::gamma, gamma_at_start(options));
-    for (const Automatic& each : automatics) set(each.address, options.automatics ? each.on : 0);
+    for (const GigeLeftover& each : leftovers) {
+      const double value = at_start(each, options);
+      each.is_float ? set_double(each.address, value) : set(each.address, guint32(value));
+    }
     arv_fake_camera_set_trigger_frequency(camera, 1000);
   }
 
   GigeProcessing processing() const {
-    return {.gamma = get(registers::gamma_enable) != 0 ? get_double(registers::gamma) : 1,
+    const double gain_db =
+        get(registers::digital_gain_auto) != 0 ? automatic_gain_db : get_double(registers::digital_gain);
+    return {.mirrored_x = get(registers::reverse_x) != 0,
+            .mirrored_y = get(registers::reverse_y) != 0,
+            .gain_db = gain_db,
+            .red = get_double(registers::red_ratio),
+            .blue = get_double(registers::blue_ratio),
+            .gamma = get(registers::gamma_enable) != 0 ? get_double(registers::gamma) : 1,
             .table = get(registers::lut_enable) != 0,
             .white_balance = get(registers::balance_white_auto) != 0,
             .black_level = get(registers::black_level_auto) != 0};
@@ -213,8 +208,8 @@ struct GigeCamera::Impl {
   }
 
   void expose(std::stop_token stop) {
-    const double exposure_us =
-        get(registers::exposure_auto) != 0 ? automatic_exposure_us : get_double(registers::exposure_time);
+    const bool is_told = get(registers::exposure_auto) == 0 && get(registers::exposure_mode) == timed;
+    const double exposure_us = is_told ? get_double(registers::exposure_time) : automatic_exposure_us;
     if (!(exposure_us >= shortest_exposure_us && exposure_us <= longest_exposure_us)) return;
     const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                         std::chrono::duration<double, std::micro>(exposure_us));

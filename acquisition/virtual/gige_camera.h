@@ -16,14 +16,16 @@ struct GigeCameraOptions {
   std::string pixel_format = "Mono12";  ///< the one the sensor delivers, of gige_pixels.h
   int width_px = 1024, height_px = 768;
   double lost_packet_ratio = 0;         ///< share of stream packets that are not sent, 0…1
-  bool automatics = false;              ///< on at the start, as cameras come from the factory, with a gamma of 0.45
-  std::vector<std::string> stuck = {};  ///< of the automatics and Gamma: keep the value of the start
+  bool automatics = false;              ///< on at the start, and all `leftovers` of gige_registers.h with them
+  std::vector<std::string> stuck = {};  ///< of the leftovers: keep the value of the start
 };
 
 /// A GigE Vision camera (GVCP on port 3956, GVSP) on one address of this machine: Aravis' simulator with our GenICam
 /// description. Features: Width, Height, OffsetX, OffsetY (even), BinningHorizontal, BinningVertical (1 … 4, means),
-/// PixelFormat, ExposureTime (µs), Gain (dB), TriggerMode, TriggerSource = Software, TriggerSoftware. ExposureAuto,
-/// GainAuto, BlackLevelAuto, BalanceWhiteAuto, GammaEnable with Gamma, and LUTEnable each spoil the frames while on.
+/// PixelFormat, ExposureTime (µs), Gain (dB), TriggerMode, TriggerSource = Software, TriggerSoftware. Each of these
+/// spoils the frames: ExposureMode TriggerWidth (there is no such trigger: 20 ms), ExposureAuto, GainAuto, Gain under
+/// GainSelector DigitalAll, BlackLevelAuto, BalanceWhiteAuto, BalanceRatio under BalanceRatioSelector Red and Blue,
+/// GammaEnable with Gamma, LUTEnable, ReverseX, ReverseY.
 ///
 ///     armed ── TriggerSoftware ──▶ exposing ── exposure time over and image computed ──▶ read out ──▶ armed
 ///

@@ -6,12 +6,17 @@
 namespace lumifield::virtual_bench {
 
 void GigeProcessing::apply(std::span<std::uint16_t> dn, int width_px, int bits, std::uint64_t frame) const {
-  const double full = (1 << bits) - 1;
+  if (mirrored_x != mirrored_y)
+    for (std::size_t row = 0; row < dn.size(); row += std::size_t(width_px))
+      std::ranges::reverse(dn.subspan(row, std::size_t(width_px)));
+  if (mirrored_y) std::ranges::reverse(dn);  // with the rows' own turn: bottom to top alone
+  const double full = (1 << bits) - 1, gain = std::pow(10, gain_db / 20);
   for (std::size_t i = 0; i < dn.size(); ++i) {
     const std::size_t row = i / std::size_t(width_px), column = i % std::size_t(width_px);
-    double value = dn[i];
+    const bool is_red = row % 2 == 0 && column % 2 == 0, is_blue = row % 2 == 1 && column % 2 == 1;
+    double value = dn[i] * gain * (is_red ? red : is_blue ? blue : 1);
     if (black_level) value += double(1 + frame % 7);
-    if (white_balance && row % 2 == 0 && column % 2 == 0) value *= 1.25;
+    if (white_balance && is_red) value *= 1.25;
     if (gamma != 1) value = full * std::pow(value / full, gamma);
     if (table) value /= 2;
     dn[i] = std::uint16_t(std::min(value, full));

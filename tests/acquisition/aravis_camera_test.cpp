@@ -160,6 +160,20 @@ TEST_F(AravisCamera, MayRefuseToStopWhileIdle) {
   EXPECT_TRUE(camera->expose(0.002));
 }
 
+TEST_F(AravisCamera, WhatItRefusesWhilePacketsAreSoughtIsTold) {
+  CameraSettings finding = settings();
+  finding.packet_bytes = 0;
+  for (const auto& [missing, what] : {std::pair("TriggerSoftware", "does not take a software trigger ("),
+                                      {"AcquisitionStart", "does not take a start of the acquisition ("},
+                                      {"AcquisitionStop", "does not take a stop of the acquisition ("}}) {
+    const DescriptionFile file(description_without(missing));
+    GigeDouble server(0, 1000, file.name());
+    EXPECT_THAT(refusal(finding), HasSubstr(what));
+  }
+  GigeDouble server(1);
+  EXPECT_THAT(refusal(finding), HasSubstr("no frame arrives complete, whatever the size of its packets"));
+}
+
 TEST_F(AravisCamera, WithoutBinningIsTakenAsItIs) {
   const DescriptionFile file(description_without("BinningHorizontal"));
   GigeDouble server(0, 1000, file.name());

@@ -1,3 +1,4 @@
+#include <arv.h>
 #include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -83,20 +84,50 @@ TEST_F(AravisFormats, FramesAreBitExactInEachOfThem) {
 }
 
 TEST_F(AravisFormats, SwitchesAllAutomaticsOff) {
-  serve({.automatics = true});
+  for (const auto& [format, pattern] : {std::pair("Mono12", SensorPattern::mono), {"BayerRG12", SensorPattern::rggb}}) {
+    serve({.pixel_format = format, .automatics = true});
+    expect_exact(format, 12, pattern);
+  }
+}
+
+TEST_F(AravisFormats, IsMeasuredWithOneGainAndKeepsItsOtherSelectors) {
+  serve({.automatics = true});  // DigitalAll and Red are selected
   expect_exact("Mono12", 12, SensorPattern::mono);
+  ArvCamera* const bare = arv_camera_new("127.0.0.1", nullptr);
+  ASSERT_NE(bare, nullptr);
+  EXPECT_STREQ(arv_camera_get_string(bare, "GainSelector", nullptr), "All");
+  EXPECT_EQ(arv_camera_get_gain(bare, nullptr), 2);
+  arv_camera_set_string(bare, "GainSelector", "DigitalAll", nullptr);
+  EXPECT_EQ(arv_camera_get_gain(bare, nullptr), 0);
+  EXPECT_STREQ(arv_camera_get_string(bare, "GainAuto", nullptr), "Off");
+  EXPECT_STREQ(arv_camera_get_string(bare, "BalanceRatioSelector", nullptr), "Red");
+  g_object_unref(bare);
 }
 
 TEST_F(AravisFormats, RefusesACameraWhoseAutomaticsStayOn) {
   for (const char* feature : {"ExposureAuto", "GainAuto", "BlackLevelAuto", "BalanceWhiteAuto"}) {
     serve({.automatics = true, .stuck = {feature}});
-    EXPECT_THAT(refusal(settings("Mono12")),
-                AllOf(HasSubstr(feature + std::string(" stays Continuous; switch it off")), HasSubstr("by itself")));
+    EXPECT_THAT(refusal(settings("Mono12")), AllOf(HasSubstr(feature + std::string(" stays Continuous")),
+                                                   HasSubstr("; switch it off"), HasSubstr("by itself")));
     serve({.automatics = false, .stuck = {feature}});
     expect_exact("Mono12", 12, SensorPattern::mono);
   }
   serve({.automatics = true, .stuck = {"LUTEnable"}});
   EXPECT_THAT(refusal(settings("Mono12")), HasSubstr("values by a look-up table: LUTEnable stays on"));
+}
+
+TEST_F(AravisFormats, RefusesACameraThatStaysAsAnotherProgramLeftIt) {
+  const std::pair<const char*, const char*> refusals[] = {
+      {"GainAuto", "changes its gain by itself: GainAuto stays Continuous under GainSelector All; switch it off with"},
+      {"Gain", "changes values by a second gain: Gain stays 3 dB under GainSelector DigitalAll; set it to 0 dB with"},
+      {"BalanceRatio", "a factor of their colour: BalanceRatio stays 1.5 under BalanceRatioSelector Red; set it to 1"},
+      {"ReverseX", "sends its frames mirrored, left to right: ReverseX stays on; switch it off"},
+      {"ReverseY", "sends its frames mirrored, top to bottom: ReverseY stays on; switch it off"},
+      {"ExposureMode", "another time than it is told: ExposureMode stays TriggerWidth; set it to Timed with"}};
+  for (const auto& [feature, sentence] : refusals) {
+    serve({.automatics = true, .stuck = {feature}});
+    EXPECT_THAT(refusal(settings("Mono12")), HasSubstr(sentence));
+  }
 }
 
 TEST_F(AravisFormats, AGammaIsSwitchedOffOrSetToOne) {
