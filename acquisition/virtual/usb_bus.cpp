@@ -7,8 +7,17 @@
 namespace lumifield::virtual_bench {
 
 namespace {
+
 constexpr const char* library = "libumockdev-preload.so.0";
+
+/// Puts a value before those that are there.
+void put_before(const char* variable, const std::string& value) {
+  const char* const others = std::getenv(variable);
+  const bool any = others != nullptr && *others != '\0';
+  setenv(variable, (value + (any ? std::string(":") + others : "")).c_str(), 1);
 }
+
+}  // namespace
 
 Result<std::unique_ptr<UsbBus>> UsbBus::create() {
   void* const found = dlopen(library, RTLD_LAZY | RTLD_LOCAL);
@@ -26,9 +35,10 @@ Result<std::unique_ptr<UsbBus>> UsbBus::create() {
 UsbBus::~UsbBus() { g_object_unref(testbed_); }
 
 void UsbBus::preload() {
-  const char* const others = std::getenv("LD_PRELOAD");
-  const bool any = others != nullptr && *others != '\0';
-  setenv("LD_PRELOAD", (std::string(library) + (any ? std::string(":") + others : "")).c_str(), 1);
+  put_before("LD_PRELOAD", library);
+#ifdef __SANITIZE_ADDRESS__
+  put_before("ASAN_OPTIONS", "verify_asan_link_order=0");  // whose runtime is no longer the first library
+#endif
 }
 
 bool UsbBus::is_preloaded() {
