@@ -241,6 +241,17 @@ TEST(Bench, ReadsFilesAndSaysWhyNot) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Bench, TwoReadingsOfAPlaceAreTwiceTheToleranceApart) {
+  Json json = Json::parse(documented);
+  for (const auto& [tolerance_mm, same_mm] : {std::pair(0.02, 0.1), std::pair(0.3, 0.6)}) {
+    json["tolerance_mm"] = tolerance_mm;
+    const Result<Bench> bench = parse_bench(json.dump(), "bench.json");
+    ASSERT_TRUE(bench) << bench.error().message();
+    EXPECT_EQ(bench->camera.same_place_mm, same_mm);
+    EXPECT_EQ(bench->stage.same_place_mm, same_mm);
+  }
+}
+
 TEST(Bench, TellsWhatItDoesNotKnow) {
   std::vector<std::string> notes;
   const std::string written = to_json(*parse_bench(documented, "bench.json"));
