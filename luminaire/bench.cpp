@@ -1,6 +1,7 @@
 #include "luminaire/bench.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -216,6 +217,8 @@ Bench with_pass(const Bench& bench, int pass) {
   return one;
 }
 
+double same_place_mm(double tolerance_mm) { return std::max(0.1, 2 * tolerance_mm); }
+
 Vec2 lamp_displacement_mm(const Bench& bench, const Vec2& stage_mm) {
   if (bench.stage_carries == StageCarries::slide) return Vec2::Zero();
   return bench.stage_to_luminaire.linear * stage_mm + bench.stage_to_luminaire.origin_mm;
@@ -236,6 +239,7 @@ Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vec
   b.stage_to_luminaire = read_stage_to_luminaire(root["stage_to_luminaire"]);
   b.limits = read_limits(root["limits_mm"]);
   b.tolerance_mm = root["tolerance_mm"].number_or(b.tolerance_mm, positive);
+  b.camera.same_place_mm = b.stage.same_place_mm = same_place_mm(b.tolerance_mm);
   b.lamp_size_mm = root["lamp_size_mm"].vec2(not_negative);
   b.separation_mm = root["planes"]["separation_mm"].number(positive);
   b.camera_model = read_camera_model(root["camera_model"]);

@@ -25,6 +25,7 @@ struct CameraSettings {
   double packet_delay_us = 0;           ///< GigE Vision: pause between two packets; with packet_bytes 0 it is found too
   int binning = 1;                      ///< aravis: columns and rows that become one; the picture is so much smaller
   int width_px = 0, height_px = 0;      ///< v4l2: of the picture; 0 = the largest that it offers
+  double same_place_mm = 0.1;           ///< replay: no member of its own, but same_place_mm(tolerance_mm)
 };
 
 /// Thorlabs controllers of two axes, read where the stage's kind is "apt", from its member "apt".
@@ -52,7 +53,8 @@ struct StageSettings {
   /// are found, and what was measured since the last look is measured again. With `home` only. A GRBL controller needs
   /// $20=0 and $21=0 for it, as the switches lie beyond the travel.
   bool check_home = false;
-  AptSettings apt;  ///< of kind "apt"
+  AptSettings apt;             ///< of kind "apt"
+  double same_place_mm = 0.1;  ///< replay: as that of the camera
 };
 
 /// Which of the two the stage moves.
@@ -129,6 +131,9 @@ struct Bench {
   Sensor sensor;
   FilterSlide filter;
 };
+
+/// How far from each other a stage may read at the same target: twice the tolerance, 0.1 mm at least.
+double same_place_mm(double tolerance_mm);
 
 /// The bench as far as one of its passes goes: what that pass alone measures.
 Bench with_pass(const Bench& bench, int pass);

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "luminaire/nearest_word.h"
+
 namespace lumifield {
 namespace {
 
@@ -95,8 +97,20 @@ Status JsonDocument::check_format(std::string_view format, int version) {
 }
 
 Status JsonDocument::status() const {
-  if (error_) return fail_in(name_, *error_);
-  return {};
+  if (!error_) return {};
+  Error error = *error_;
+  if (const auto found = misspelt())
+    error.remedy = "\"" + *found + "\" is not known: is \"" + missing_ + "\" meant? If not, " + error.remedy;
+  return fail_in(name_, std::move(error));
+}
+
+/// Told when the parser has asked for all that it knows.
+std::optional<std::string> JsonDocument::misspelt() const {
+  if (!notes_unknown_ || !lacking_) return {};
+  std::vector<std::string> unknown;
+  for (const auto& [key, member] : lacking_->items())
+    if (!asked_.contains(&member)) unknown.push_back(key);
+  return nearest_word(missing_, unknown);
 }
 
 Status JsonDocument::finish(std::vector<std::string>* notes, ReaderNotes kind) const {
@@ -147,22 +161,31 @@ void JsonValue::note_no_effect(std::string_view why) const {
 
 bool JsonValue::require(bool right_type, std::string_view type) const {
   if (!present())
-    refuse("is missing", "add it: " + std::string(type));
+    refuse_missing(type);
   else if (!right_type)
     refuse("has the wrong type", "make it " + std::string(type));
   return right_type;
 }
 
+void JsonValue::refuse_missing(std::string_view type) const {
+  if (document_->error_) return;
+  document_->lacking_ = lacking_;
+  document_->missing_ = missing_;
+  refuse("is missing", "add it: " + std::string(type));
+}
+
 JsonValue JsonValue::operator[](std::string_view key) const {
-  std::string place = place_.empty() ? std::string(key) : place_ + "." + std::string(key);
-  if (!present() || !require(value_->is_object(), "an object")) return {document_, nullptr, std::move(place)};
+  JsonValue absent{document_, nullptr, place_.empty() ? std::string(key) : place_ + "." + std::string(key)};
+  absent.lacking_ = present() ? value_ : lacking_;
+  absent.missing_ = present() ? std::string(key) : missing_;
+  if (!present() || !require(value_->is_object(), "an object")) return absent;
   const auto found = value_->find(std::string(key));
   const nlohmann::json* member = found == value_->end() ? nullptr : &*found;
   if (document_->notes_unknown_) {
     document_->visited_.insert(value_);
     if (member) document_->asked_.insert(member);
   }
-  return {document_, member, std::move(place)};
+  return member ? JsonValue{document_, member, std::move(absent.place_)} : absent;
 }
 
 JsonValue JsonValue::element(std::size_t k) const {

@@ -22,7 +22,8 @@ namespace lumifield {
 /// A document remembers the first thing found wrong and its place ("bench.json: camera.readout_s"); after that every
 /// access returns a value of the asked type without meaning, so that a parser reads straight through and asks
 /// `status()` once at its end. A parser must not act on values (allocate, index) before it asked. Defaults taken are
-/// recorded. Unknown keys are ignored, and recorded on demand. Thread-bound.
+/// recorded. Unknown keys are ignored, and recorded on demand: then a member that is missing is told with the unknown
+/// one beside it that may be meant. Thread-bound.
 
 /// Numbers allowed; `open_low` leaves `low` itself out.
 struct Range {
@@ -93,10 +94,14 @@ class JsonValue {
       : document_(document), value_(value), place_(std::move(place)) {}
   JsonValue element(std::size_t k) const;
   bool require(bool right_type, std::string_view type) const;
+  void refuse_missing(std::string_view type) const;
 
   JsonDocument* document_;
   const nlohmann::json* value_;
   std::string place_;
+  // Of an absent member: the innermost object that is there, and which of its members is not.
+  const nlohmann::json* lacking_ = nullptr;
+  std::string missing_ = {};
 };
 
 class JsonDocument {
@@ -122,10 +127,13 @@ class JsonDocument {
  private:
   friend class JsonValue;
   explicit JsonDocument(std::string name);
+  std::optional<std::string> misspelt() const;
   void collect_unknown(const nlohmann::json& value, const std::string& place, std::vector<std::string>& unknown) const;
   std::string name_;
   std::unique_ptr<nlohmann::json> json_;
   std::optional<Error> error_;
+  const nlohmann::json* lacking_ = nullptr;  ///< of an error of a missing member: as in JsonValue
+  std::string missing_;
   std::vector<std::string> defaults_, no_effect_;
   bool notes_unknown_ = false;
   std::set<const nlohmann::json*> visited_, asked_;  ///< objects with an access to members; values asked for

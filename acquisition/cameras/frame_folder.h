@@ -30,8 +30,6 @@ struct ListedFrame {
   std::optional<Vec2> stage_mm;
 };
 
-/// How near to a frame's place a stage stands where it was taken.
-inline constexpr double same_place_mm = 0.1;
 inline constexpr const char* frame_list_name = "frames.csv";
 inline constexpr std::uintmax_t most_frame_list_bytes = std::uintmax_t{256} << 20;
 inline constexpr std::uintmax_t most_picture_bytes = std::uintmax_t{1} << 30;

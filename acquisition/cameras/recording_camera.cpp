@@ -65,10 +65,12 @@ Status FrameRecording::write(const RawImage& image, double asked_s, const Vec2& 
 
 void FrameRecording::add(const RawImage& image, double asked_s, const Vec2& stage_mm) {
   if (error_) return;
-  if (Status written = write(image, asked_s, stage_mm); !written)
-    error_ = written.error();
-  else
+  if (Status written = write(image, asked_s, stage_mm); written) {
     ++frames_;
+  } else {
+    error_ = written.error();
+    if (ended_) ended_();
+  }
 }
 
 std::unique_ptr<Camera> record(std::unique_ptr<Camera> camera, std::shared_ptr<FrameRecording> recording) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -17,6 +18,10 @@ class FrameRecording {
   /// Writes the frame and its line; both are on disk when this returns.
   void add(const RawImage& image, double asked_s, const Vec2& stage_mm);
 
+  /// `ended` is told at once when a frame cannot be written, once, by `add` and on its thread.
+  void tell(std::function<void()> ended) { ended_ = std::move(ended); }
+
+  const std::filesystem::path& folder() const { return folder_; }
   std::size_t frames() const { return frames_; }
   /// Why the recording ended: what could not be written first. The frames before are there.
   const std::optional<Error>& error() const { return error_; }
@@ -30,6 +35,7 @@ class FrameRecording {
   std::size_t frames_ = 0;
   std::uintmax_t list_bytes_ = 0;
   std::optional<Error> error_;
+  std::function<void()> ended_;
 };
 
 /// The camera itself, but that every frame taken at a place that was told is recorded too, before it is handed on.

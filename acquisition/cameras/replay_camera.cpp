@@ -34,7 +34,10 @@ bool has_exposure(const ListedFrame& frame, double exposure_s) {
 class ReplayCamera final : public Camera {
  public:
   ReplayCamera(const CameraSettings& settings, std::vector<ListedFrame> frames)
-      : folder_(settings.address), frames_(std::move(frames)), given_(frames_.size()) {
+      : folder_(settings.address),
+        same_place_mm_(settings.same_place_mm),
+        frames_(std::move(frames)),
+        given_(frames_.size()) {
     info_ = {"Lumifield", "replay", std::to_string(frames_.size()) + " frames", settings.address, 0, 0};
   }
 
@@ -59,6 +62,7 @@ class ReplayCamera final : public Camera {
   }
 
   fs::path folder_;
+  double same_place_mm_;
   std::vector<ListedFrame> frames_;
   std::vector<bool> given_;
   CameraInfo info_;
@@ -132,11 +136,11 @@ tl::unexpected<Error> ReplayCamera::not_recorded(double exposure_s,
 Result<std::size_t> ReplayCamera::choose_at_place(double exposure_s) {
   const auto off_mm = [&](const ListedFrame& frame) { return (*frame.stage_mm - *place_mm_).norm(); };
   const auto nearest = std::ranges::min_element(frames_, {}, off_mm);
-  if (!(off_mm(*nearest) <= same_place_mm))
+  if (!(off_mm(*nearest) <= same_place_mm_))
     return error("no frame was recorded at " + say(*place_mm_) + "; the nearest, " + nearest->file + ", at " +
-                     say(*nearest->stage_mm),
-                 other_scan);
-  const auto is_here = [&](const ListedFrame& frame) { return off_mm(frame) <= same_place_mm; };
+                     say(*nearest->stage_mm) + ", is more than " + say(same_place_mm_) + " mm off",
+                 std::string(other_scan) + "; of frames of your own, set tolerance_mm to how far off they are");
+  const auto is_here = [&](const ListedFrame& frame) { return off_mm(frame) <= same_place_mm_; };
   std::optional<std::size_t> last;
   for (std::size_t k = 0; k < frames_.size(); ++k) {
     if (!has_exposure(frames_[k], exposure_s) || !is_here(frames_[k])) continue;

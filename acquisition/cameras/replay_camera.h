@@ -15,10 +15,10 @@ namespace lumifield {
 /// asked for the same, within 0.1 %.
 ///
 /// In a scan, which tells where the stage stands, the n-th exposure at a place is answered by the n-th frame that was
-/// taken within 0.1 mm of it with that exposure, and by the last of them ever after: in whatever order cells come, a
-/// scan is played back as it was, gone on with, tried (`rehearse`) or taken anew in part. A scan that had to go back to
-/// cells is played back as if it had not: what was exposed first counts. A place or an exposure that is not listed is
-/// refused.
+/// taken within CameraSettings::same_place_mm of it with that exposure, and by the last of them ever after: in whatever
+/// order cells come, a scan is played back as it was, gone on with, tried (`rehearse`) or taken anew in part. A scan
+/// that had to go back to cells is played back as if it had not: what was exposed first counts. A place or an exposure
+/// that is not listed is refused.
 ///
 /// A list without places answers a scan in its order, each frame once; another exposure than the next frame's is
 /// refused, and so is one beyond the last. Exposures outside of scans, whose place is not told, are answered by the

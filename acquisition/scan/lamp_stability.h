@@ -1,11 +1,19 @@
 #pragma once
 
+#include <cmath>
 #include <deque>
 #include <optional>
 
 #include "luminaire/plan.h"
 
 namespace lumifield {
+
+/// Readings in over_s, so that a lamp is seen to come to rest within a tenth.
+inline constexpr double readings_over = 10;
+/// Readings until the limit, the last one when it has passed.
+inline double most_readings(const Stabilisation& wanted) {
+  return std::ceil(wanted.limit_s / wanted.over_s * readings_over) + 2;
+}
 
 /// Whether a lamp that warms up is steady, by readings of its light: those of the last over_s spread by no more than
 /// `within`, (largest − smallest)/smallest. It takes three readings at least, and one that is over_s old. Value type.

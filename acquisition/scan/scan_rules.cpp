@@ -1,5 +1,6 @@
 #include "acquisition/scan/scan_rules.h"
 
+#include <Eigen/Eigenvalues>  // operatorNorm
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -98,6 +99,12 @@ Status check_bench_numbers(const Bench& bench) {
                 "give the two columns that moving the stage by 1 mm in x and in y makes on plane U");
   if (!(bench.tolerance_mm > 0))
     return fail("the tolerance must be above 0 mm", "bench: tolerance_mm", "give the stage's repeatability, e.g. 0.02");
+  // Else a place within it might be that of a neighbour, as far off on its side, and be played back as this one.
+  const double most_mm = bench.filter.spacing_mm.minCoeff() / 4 / linear.operatorNorm();
+  if (bench.filter.spacing_mm.minCoeff() > 0 && !(bench.tolerance_mm < most_mm))
+    return fail("a tolerance of " + say(bench.tolerance_mm) + " mm does not tell neighbouring cells apart: less than " +
+                    say(most_mm) + " mm, a quarter of their spacing, does",
+                "bench: tolerance_mm", "give the stage's repeatability, e.g. 0.02");
   if (!(bench.lamp_size_mm.minCoeff() > 0))
     return fail("the lamp has no size", "bench: lamp_size_mm", "give width and height of its exit in mm");
   if (!(bench.filter.spacing_mm.minCoeff() > 0))

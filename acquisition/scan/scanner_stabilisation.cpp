@@ -10,7 +10,6 @@ namespace lumifield {
 
 namespace {
 
-constexpr double readings_over = 10;      ///< readings in over_s, so that a lamp is seen to come to rest within a tenth
 constexpr double look_for_pause_s = 0.1;  ///< while the next one is waited for
 
 std::string percent(double share) { return say(std::round(1e5 * share) / 1000) + " %"; }

@@ -13,8 +13,9 @@ constexpr double at_once_mm_s = 1e6, at_once_mm_s2 = 1e9;  // for predictions
 
 class ReplayStage final : public Stage {
  public:
-  ReplayStage(const std::string& path, std::vector<Vec2> readings_mm) : readings_mm_(std::move(readings_mm)) {
-    info_ = {"replay", path, at_once_mm_s, at_once_mm_s2, {0, 0}};
+  ReplayStage(const StageSettings& settings, std::vector<Vec2> readings_mm)
+      : readings_mm_(std::move(readings_mm)), same_place_mm_(settings.same_place_mm) {
+    info_ = {"replay", settings.path, at_once_mm_s, at_once_mm_s2, {0, 0}};
     for (const Vec2& reading : readings_mm_) info_.travel_mm = info_.travel_mm.cwiseMax(reading);
   }
 
@@ -26,7 +27,7 @@ class ReplayStage final : public Stage {
     if (!target_mm.allFinite()) return fail("a target that is no place", info_.path, "correct the plan");
     const auto off_mm = [&](const Vec2& reading) { return (reading - target_mm).norm(); };
     const Vec2 nearest = *std::ranges::min_element(readings_mm_, {}, off_mm);
-    at_mm_ = off_mm(nearest) <= same_place_mm ? nearest : target_mm;
+    at_mm_ = off_mm(nearest) <= same_place_mm_ ? nearest : target_mm;
     return {};
   }
   Result<Vec2> position() override { return at_mm_; }
@@ -34,6 +35,7 @@ class ReplayStage final : public Stage {
 
  private:
   std::vector<Vec2> readings_mm_;
+  double same_place_mm_;
   StageInfo info_;
   Vec2 at_mm_{0, 0};
 };
@@ -57,7 +59,7 @@ Result<std::unique_ptr<Stage>> open_replay_stage(const StageSettings& settings) 
                 "set \"check_home\" to false in the bench file");
   Result<std::vector<Vec2>> readings_mm = readings_of(settings.path);
   if (!readings_mm) return tl::unexpected(readings_mm.error());
-  return std::make_unique<ReplayStage>(settings.path, std::move(*readings_mm));
+  return std::make_unique<ReplayStage>(settings, std::move(*readings_mm));
 }
 
 std::vector<DeviceReport> find_replay_stages(const std::string&) { return {}; }

@@ -75,6 +75,12 @@ std::string prediction_line(const ScanPrediction& scan) {
     text += format(" once the lamp is steady (%s at most)", minutes_text(scan.stabilisation_s).c_str());
   text += format(", up to %.1f MB", scan.bytes / 1e6);
   if (scan.free_bytes) text += format(" of %.1f MB that are free", *scan.free_bytes / 1e6);
+  if (const auto& frames = scan.recording) {
+    text += format(", recorded frames up to %.1f MB", frames->bytes / 1e6);
+    if (frames->on_same_disk) text += " more";
+    if (!frames->on_same_disk && frames->free_bytes)
+      text += format(" of %.1f MB that are free there", *frames->free_bytes / 1e6);
+  }
   return text + (scan.has_room() ? "" : ": TOO LITTLE ROOM, free some");
 }
 
@@ -122,6 +128,10 @@ nlohmann::ordered_json prediction_json(const ScanPrediction& scan) {
   nlohmann::ordered_json json{{"cells", scan.cells}, {"predicted_s", scan.time_s}, {"bytes", scan.bytes}};
   if (scan.stabilisation_s > 0) json["stabilisation_s"] = scan.stabilisation_s;
   if (scan.free_bytes) json["free_bytes"] = *scan.free_bytes;
+  if (const auto& frames = scan.recording) {
+    json["recording"] = {{"bytes", frames->bytes}, {"on_same_disk", frames->on_same_disk}};
+    if (frames->free_bytes) json["recording"]["free_bytes"] = *frames->free_bytes;
+  }
   json["room"] = scan.has_room();
   return json;
 }

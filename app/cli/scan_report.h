@@ -12,7 +12,8 @@ namespace lumifield {
 std::string progress_text(const ScanProgress& progress);
 std::string done_text(const ScanSummary& summary);
 
-/// "20 cells, about 0:12, up to 3.6 MB of 82600.0 MB that are free"; says so where there is too little room.
+/// "20 cells, about 0:12, up to 3.6 MB of 82600.0 MB that are free", and what recorded frames take;
+/// says so where there is too little room.
 std::string prediction_line(const ScanPrediction& scan);
 nlohmann::ordered_json prediction_json(const ScanPrediction& scan);
 

@@ -11,6 +11,7 @@
 #include "app/session/device_names.h"
 #include "app/session/guarded.h"
 #include "app/session/instruments.h"
+#include "app/session/scan_recording.h"
 
 namespace lumifield {
 
@@ -59,7 +60,10 @@ Status scan(const ScanRequest& request, const ScanPlan& steps, const std::map<in
   outcome.camera = name_of(instruments.camera().info());
   outcome.stage = name_of(instruments.stage().info());
   const Bench bench = at_the_pace_of(instruments.camera().info(), request.bench);
-  outcome.prediction = predict(bench, request.plan, steps, instruments.stage().info(), request.out);
+  outcome.prediction = predict(bench, request.plan, steps, instruments.stage().info(), request.out,
+                               request.recording ? request.recording->folder() : std::filesystem::path());
+  if (request.recording)
+    request.recording->tell([&] { pipeline.events.push(end_of_recording(*request.recording)); });
   pipeline.events.push(*outcome.prediction);
 
   Scanner scanner(instruments.camera(), instruments.stage(), bench, request.plan);

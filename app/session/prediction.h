@@ -9,6 +9,13 @@
 
 namespace lumifield {
 
+/// What the frames of a scan that is recorded take. Value type.
+struct RecordingPrediction {
+  double bytes = 0;                  ///< at most, but for what has to be taken again
+  std::optional<double> free_bytes;  ///< on the disk that they are kept on; absent where it does not tell
+  bool on_same_disk = false;         ///< as the cells: both share its room
+};
+
 /// What a scan will take, told before its first cell. Value type.
 struct ScanPrediction {
   int cells = 0;                     ///< to be scanned
@@ -16,16 +23,18 @@ struct ScanPrediction {
   double stabilisation_s = 0;        ///< at most before that, until the lamp is steady
   double bytes = 0;                  ///< of the cells, at most
   std::optional<double> free_bytes;  ///< on the disk that they are stored on; absent where it does not tell
+  std::optional<RecordingPrediction> recording = {};  ///< where its frames are kept too
 
-  bool has_room() const { return !free_bytes || *free_bytes >= bytes; }
+  bool has_room() const;
 };
 
 /// The bench as it is for predictions and for what counts as read-out, with a camera that is open: one that runs free
 /// is waited for.
 Bench at_the_pace_of(const CameraInfo& camera, Bench bench);
 
-/// Of `steps`; `stage` is open, `out` need not be there.
+/// Of `steps`; `stage` is open, `out` need not be there. `recorded`: the folder of the recorded frames; empty, there
+/// are none.
 ScanPrediction predict(const Bench& bench, const Plan& plan, const ScanPlan& steps, const StageInfo& stage,
-                       const std::filesystem::path& out);
+                       const std::filesystem::path& out, const std::filesystem::path& recorded = {});
 
 }  // namespace lumifield

@@ -25,7 +25,13 @@ Result<std::shared_ptr<FrameRecording>> record_frames(ScanRequest& request, cons
       if (Status written = write_file_durably(file, json); !written) return tl::unexpected(written.error());
     return record(std::move(*camera), kept);
   };
+  request.recording = *recording;
   return recording;
+}
+
+Notice end_of_recording(const FrameRecording& recording) {
+  return {"the recording of the frames ends after " + std::to_string(recording.frames()) + ": " +
+          recording.error()->message() + ". The scan goes on without it"};
 }
 
 }  // namespace lumifield

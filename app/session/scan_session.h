@@ -22,6 +22,8 @@
 
 namespace lumifield {
 
+class FrameRecording;
+
 /// What to scan, with what, and where to.
 struct ScanRequest {
   Bench bench;
@@ -38,6 +40,8 @@ struct ScanRequest {
   std::vector<double> picture_shares;     ///< a picture is made when this share of the cells is in, 0 … 1
   std::shared_ptr<BenchView> bench_view;  ///< told what the bench sees, when given; brackets while it is watched
   BenchDevices devices;
+  std::shared_ptr<FrameRecording> recording;  ///< of its frames (scan_recording.h): what it takes is predicted too, and
+                                              ///< a notice tells when it cannot go on
 };
 
 /// Where the session's own time went, seconds, one figure per cell.

@@ -91,10 +91,39 @@ TEST_F(ReplayCamera, RefusesWhatIsNotRecorded) {
     EXPECT_THAT(refusal(*camera, exposure_s),
                 AllOf(HasSubstr("was not recorded at (0, 0) mm; there is 0.001 s"), HasSubstr("the plan")));
   camera->tell_place({9.5, 5});
-  EXPECT_THAT(refusal(*camera, 0.004),
-              HasSubstr("no frame was recorded at (9.5, 5) mm; the nearest, 2.pgm, at (10, 5) mm"));
+  EXPECT_THAT(
+      refusal(*camera, 0.004),
+      AllOf(HasSubstr("no frame was recorded at (9.5, 5) mm; the nearest, 2.pgm, at (10, 5) mm, is more than 0.1 "
+                      "mm off"),
+            HasSubstr("tolerance_mm")));
   camera->tell_place({NAN, 5});
   EXPECT_THAT(refusal(*camera, 0.004), HasSubstr("no frame was recorded at"));
+}
+
+TEST_F(ReplayCamera, APlaceIsAsWideAsTheBenchsToleranceLetsIt) {
+  pictures(3);
+  list("file,exposure_s,stage_x_mm,stage_y_mm\n1.pgm,0.001,0.3,0\n2.pgm,0.001,-0.3,0\n3.pgm,0.001,1,0\n");
+  CameraSettings wide = settings();
+  wide.same_place_mm = 0.6;
+  const auto camera = open(wide);
+  ASSERT_NE(camera, nullptr);
+  camera->tell_place({0.3, 0});
+  EXPECT_EQ(shown(*camera, 0.001), 1);
+  EXPECT_EQ(shown(*camera, 0.001), 2) << "taken at the same place, the stage off to the other side";
+  EXPECT_EQ(shown(*camera, 0.001), 2);
+  camera->tell_place({1.5, 0});
+  EXPECT_EQ(shown(*camera, 0.001), 3);
+
+  StageSettings at;
+  at.kind = "replay";
+  at.path = folder_;
+  for (const auto& [same_mm, reads] : {std::pair(0.1, Vec2(0.7, 0)), std::pair(0.6, Vec2(1, 0))}) {
+    at.same_place_mm = same_mm;
+    const auto stage = open_stage(at);
+    ASSERT_TRUE(stage) << stage.error().message();
+    ASSERT_TRUE((*stage)->move_to({0.7, 0}));
+    EXPECT_EQ(*(*stage)->position(), reads);
+  }
 }
 
 TEST_F(ReplayCamera, AListWithoutPlacesAnswersAScanInItsOrder) {

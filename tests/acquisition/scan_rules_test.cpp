@@ -227,6 +227,11 @@ TEST(ScanRules, RefusesWhatCannotBeScanned) {
   bench = bell_bench();
   bench.tolerance_mm = 0;
   EXPECT_THAT(refusal(bench, bell_plan()).where, HasSubstr("tolerance_mm"));
+  bench.tolerance_mm = 1.87;
+  EXPECT_TRUE(make_scan_plan(bench, bell_plan()));
+  bench.tolerance_mm = 1.88;
+  EXPECT_THAT(refusal(bench, bell_plan()).what,
+              HasSubstr("a tolerance of 1.88 mm does not tell neighbouring cells apart: less than 1.875 mm"));
   bench = bell_bench();
   bench.filter.spacing_mm.x() = 0;
   EXPECT_THAT(refusal(bench, bell_plan()).where, HasSubstr("spacing_mm"));

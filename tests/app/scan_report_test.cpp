@@ -80,6 +80,25 @@ TEST(ScanReport, PredictsTimeAndRoom) {
   EXPECT_THAT(prediction_line(scan), testing::EndsWith("up to 3.6 MB"));
 }
 
+TEST(ScanReport, PredictsWhatRecordedFramesTake) {
+  ScanPrediction scan{20, 75, 0, 3e6, 8e6};
+  scan.recording = RecordingPrediction{4e6, 8e6, true};
+  EXPECT_THAT(prediction_line(scan),
+              testing::EndsWith("3.0 MB of 8.0 MB that are free, recorded frames up to 4.0 MB more"));
+  scan.recording->bytes = 6e6;
+  EXPECT_THAT(prediction_line(scan), testing::EndsWith("up to 6.0 MB more: TOO LITTLE ROOM, free some"));
+  scan.recording->on_same_disk = false;
+  EXPECT_THAT(prediction_line(scan), testing::EndsWith("recorded frames up to 6.0 MB of 8.0 MB that are free there"));
+  scan.recording->free_bytes = 5e6;
+  EXPECT_THAT(prediction_line(scan), testing::EndsWith("of 5.0 MB that are free there: TOO LITTLE ROOM, free some"));
+  const auto json = prediction_json(scan);
+  EXPECT_EQ(json["recording"]["bytes"], 6e6);
+  EXPECT_EQ(json["recording"]["free_bytes"], 5e6);
+  EXPECT_EQ(json["room"], false);
+  scan.recording->free_bytes.reset();
+  EXPECT_THAT(prediction_line(scan), testing::EndsWith("recorded frames up to 6.0 MB"));
+}
+
 TEST(ScanReport, TheLastLineSaysDone) {
   const std::string text = printed(
       {progress(ScanState::moving, 62, 0), progress(ScanState::moving, 63, 0), progress(ScanState::done, 63, 0)},

@@ -179,6 +179,29 @@ TEST(Bench, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(refusal_with("/filter/passes/1/scale", 0), HasSubstr("filter.passes[1].scale: is zero"));
 }
 
+TEST(Bench, NamesTheUnknownMemberThatMayBeMeantForAMissingOne) {
+  const auto renamed = [](const std::string& object, const std::string& from, const std::string& to) {
+    Json json = Json::parse(documented);
+    Json& at = json.at(Json::json_pointer(object));
+    at[to] = at.at(from);
+    at.erase(from);
+    const Result<Bench> bench = parse_bench(json.dump(), "bench.json");
+    return bench ? "accepted" : bench.error().message();
+  };
+  EXPECT_EQ(renamed("/camera", "address", "adress"),
+            "bench.json: camera.address: is missing; \"adress\" is not known: is \"address\" meant? If not, add it: a "
+            "text");
+  EXPECT_THAT(renamed("", "camera", "camra"),
+              HasSubstr("camera.address: is missing; \"camra\" is not known: is \"camera\" meant?"));
+  EXPECT_THAT(renamed("", "version", "versoin"), HasSubstr("\"versoin\" is not known: is \"version\" meant?"));
+  EXPECT_THAT(renamed("/filter/passes/1", "scale", "Scale"),
+              HasSubstr("filter.passes[1].scale: is missing; \"Scale\" is not known"));
+  EXPECT_THAT(renamed("/camera", "address", "colour_of_the_case"), HasSubstr("address: is missing; add it: a text"));
+  // "fy" is nearer, but known.
+  EXPECT_THAT(renamed("/camera_model", "fx", "f_x"), HasSubstr("\"f_x\" is not known: is \"fx\" meant?"));
+  EXPECT_THAT(refusal_without("/camera_model", "fx"), HasSubstr("fx: is missing; add it"));
+}
+
 TEST(Bench, RefusesAnotherFormatOrVersion) {
   EXPECT_THAT(refusal_with("/format", "lumifield-plan"), HasSubstr("format: is not \"lumifield-bench\""));
   EXPECT_THAT(refusal_with("/version", 2), HasSubstr("version: is a version this program does not know"));
@@ -216,6 +239,17 @@ TEST(Bench, ReadsFilesAndSaysWhyNot) {
               HasSubstr("No such file or directory; check the path"));
   EXPECT_THAT(read_bench(folder).error().message(), HasSubstr("is no regular file"));
   std::filesystem::remove_all(folder);
+}
+
+TEST(Bench, TwoReadingsOfAPlaceAreTwiceTheToleranceApart) {
+  Json json = Json::parse(documented);
+  for (const auto& [tolerance_mm, same_mm] : {std::pair(0.02, 0.1), std::pair(0.3, 0.6)}) {
+    json["tolerance_mm"] = tolerance_mm;
+    const Result<Bench> bench = parse_bench(json.dump(), "bench.json");
+    ASSERT_TRUE(bench) << bench.error().message();
+    EXPECT_EQ(bench->camera.same_place_mm, same_mm);
+    EXPECT_EQ(bench->stage.same_place_mm, same_mm);
+  }
 }
 
 TEST(Bench, TellsWhatItDoesNotKnow) {

@@ -148,6 +148,15 @@ TEST(Plan, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(refusal_with("/version", 0), HasSubstr("version"));
 }
 
+TEST(Plan, NamesTheUnknownMemberThatMayBeMeantForAMissingOne) {
+  Json json = Json::parse(documented);
+  json["collumns"] = json["columns"];
+  json["clumns"] = 3;
+  json.erase("columns");
+  EXPECT_THAT(parse_plan(json.dump(), "p").error().message(),
+              HasSubstr("p: columns: is missing; \"clumns\" is not known: is \"columns\" meant? If not, add it"));
+}
+
 TEST(Plan, RefusesGridsAndImagesBeyondTheLimits) {
   Json json = Json::parse(documented);
   json["columns"] = json["rows"] = 31623;
