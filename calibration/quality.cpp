@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "calibration/bracket_merge.h"
+#include "luminaire/median.h"
 
 namespace lumifield {
 namespace {
@@ -64,9 +65,7 @@ double median_snr(const CellImage& image, const RawCell& raw, const Bench& bench
     all.insert(all.end(), snr.begin(), snr.end());
   }
   if (all.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-  std::nth_element(all.begin(), middle, all.end());
-  return static_cast<double>(*middle);
+  return static_cast<double>(median_of(std::move(all)));
 }
 
 }  // namespace

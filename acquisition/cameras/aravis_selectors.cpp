@@ -1,16 +1,11 @@
 #include "acquisition/cameras/aravis_selectors.h"
 
 #include <arv.h>
-#include <memory>
 
 #include "acquisition/cameras/aravis_settings.h"
 
 namespace lumifield {
 namespace {
-
-struct GFree {
-  void operator()(gpointer memory) const { g_free(memory); }
-};
 
 std::string question(const char* feature) { return std::string("a question for ") + feature; }
 
@@ -27,14 +22,12 @@ Result<std::vector<std::string>> offered_values(ArvCamera* camera, const CameraS
                                                 const char* selector) {
   const Result<bool> is_there = has_feature(camera, settings, selector);
   if (!is_there) return tl::unexpected(is_there.error());
-  std::vector<std::string> values;
-  if (!*is_there) return values;
+  if (!*is_there) return std::vector<std::string>();
   GFault fault;
   guint count = 0;
-  const std::unique_ptr<const char*, GFree> names(
-      arv_camera_dup_available_enumerations_as_strings(camera, selector, &count, fault.out()));
+  const char** const names = arv_camera_dup_available_enumerations_as_strings(camera, selector, &count, fault.out());
+  std::vector<std::string> values = take_names(names, count);
   if (fault) return refused(settings, question(selector), fault);
-  for (guint i = 0; names && i < count; ++i) values.emplace_back(names.get()[i]);
   return values;
 }
 

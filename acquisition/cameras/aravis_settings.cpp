@@ -4,7 +4,6 @@
 #include <arv.h>
 #include <cmath>
 #include <cstdio>
-#include <memory>
 
 #include "acquisition/cameras/aravis_automatics.h"
 #include "acquisition/cameras/aravis_selectors.h"
@@ -15,10 +14,6 @@ namespace {
 constexpr int longest_side_px = 1 << 16;
 constexpr double us_per_s = 1e6;
 constexpr double gain_tolerance_db = 0.05;
-
-struct GFree {
-  void operator()(gpointer memory) const { g_free(memory); }
-};
 
 struct Applying {
   ArvCamera* camera;
@@ -44,14 +39,13 @@ Status Applying::pixel_format() {
   const std::string& wanted = settings.pixel_format;
   GFault fault;
   guint count = 0;
-  const std::unique_ptr<const char*, GFree> names(
-      arv_camera_dup_available_pixel_formats_as_strings(camera, &count, fault.out()));
+  const char** const names = arv_camera_dup_available_pixel_formats_as_strings(camera, &count, fault.out());
   std::string usable;
   bool is_offered = false;
-  for (guint i = 0; names && i < count; ++i) {
-    if (!pixel_layout(names.get()[i])) continue;
-    usable.append(usable.empty() ? "" : ", ").append(names.get()[i]);
-    is_offered |= wanted == names.get()[i];
+  for (const std::string& name : take_names(names, count)) {
+    if (!pixel_layout(name)) continue;
+    usable.append(usable.empty() ? "" : ", ").append(name);
+    is_offered |= wanted == name;
   }
   if (fault) return refused(settings, "a question for its pixel formats", fault);
   const std::string remedy = usable.empty() ? "use a camera that gives its photosites" : "choose one of " + usable;
@@ -191,6 +185,13 @@ Status Applying::trigger() {
 GFault::~GFault() { g_clear_error(&error_); }
 
 std::string GFault::text() const { return error_ == nullptr ? "" : error_->message; }
+
+std::vector<std::string> take_names(const char** names, unsigned count) {
+  std::vector<std::string> taken;
+  for (unsigned i = 0; names != nullptr && i < count; ++i) taken.emplace_back(names[i]);
+  g_free(names);
+  return taken;
+}
 
 Result<AppliedSettings> apply_settings(ArvCamera* camera, const CameraSettings& settings) {
   Applying applying{camera, settings, {}};

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "acquisition/cameras/pixel_layout.h"
 #include "luminaire/bench.h"
@@ -28,6 +29,9 @@ class GFault {
  private:
   GError* error_ = nullptr;
 };
+
+/// Names that Aravis hands over to be freed; null: none.
+std::vector<std::string> take_names(const char** names, unsigned count);
 
 /// What a camera took, read back from it. Value type.
 struct AppliedSettings {

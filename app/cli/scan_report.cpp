@@ -1,12 +1,12 @@
 #include "app/cli/scan_report.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "app/cli/print_result.h"
+#include "luminaire/median.h"
 
 namespace lumifield {
 
@@ -21,12 +21,7 @@ std::string format(const char* pattern, ...) {
   return text;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+double median(const std::vector<double>& values) { return values.empty() ? 0 : median_of(values); }
 
 double largest_drift(const ScanSummary& summary) {
   double largest = 0;

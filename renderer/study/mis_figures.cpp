@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 
+#include "luminaire/median.h"
 #include "renderer/study/ladder.h"
 #include "renderer/study/ladder_rows.h"
 #include "renderer/study/reference_cache.h"
@@ -118,33 +119,30 @@ Status light_of(const Point& point, int seed, const StudyFrame& frame, StudyLigh
   return {};
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
+/// Its error over all seeds; its time is `times_ms`'s.
+Result<StudyPoint> scored_point(const Point& point, const Scored& scored, const Told& told) {
+  RelativeRmse error;
+  StudyLight light;
+  double s = 0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    if (!told()) return study_stopped();
+    if (const Status done = light_of(point, seed, scored.frame, light, s); !done) return tl::unexpected(done.error());
+    scored.judge(light, error);
+  }
+  StudyPoint as;
+  as.cost = point.samples;
+  as.rel_rmse = error.value();
+  return as;
 }
 
-/// Points beside the last of them, by whose time theirs is told: a machine's speed drifts by a third within seconds, so
-/// all take turns, for `least_s` or five rounds, and count by the median of their ratios to the last one's.
-Result<std::vector<StudyPoint>> run(std::span<const Point> points, const Scored& scored, const Told& told) {
+/// The times of points, ms, by that of the last of them: a machine's speed drifts by a third within seconds, so all
+/// take turns, for `least_s` or five rounds, and count by the median of their ratios to the last one's.
+Result<std::vector<double>> times_ms(std::span<const Point> points, const Scored& scored, const Told& told) {
   constexpr double least_s = 8;
   constexpr std::size_t least_rounds = 5;
-  std::vector<StudyPoint> all;
-  StudyLight light;
-  for (const Point& point : points) {
-    RelativeRmse error;
-    for (int seed = 1; seed <= seeds; ++seed) {
-      double s = 0;
-      if (!told()) return study_stopped();
-      if (const Status done = light_of(point, seed, scored.frame, light, s); !done) return tl::unexpected(done.error());
-      scored.judge(light, error);
-    }
-    StudyPoint& as = all.emplace_back();
-    as.cost = point.samples;
-    as.rel_rmse = error.value();
-  }
   std::vector<std::vector<double>> ratios(points.size());
   std::vector<double> last;
+  StudyLight light;
   for (double total = 0; last.size() < least_rounds || total < least_s;) {
     std::vector<double> took;
     for (const Point& point : points) {
@@ -156,8 +154,9 @@ Result<std::vector<StudyPoint>> run(std::span<const Point> points, const Scored&
     for (std::size_t k = 0; k < took.size(); ++k) ratios[k].push_back(took[k] / took.back());
     last.push_back(took.back());
   }
-  for (std::size_t k = 0; k < points.size(); ++k) all[k].time_ms = 1e3 * median_of(last) * median_of(ratios[k]);
-  return all;
+  std::vector<double> times;
+  for (const std::vector<double>& each : ratios) times.push_back(1e3 * median_of(last) * median_of(each));
+  return times;
 }
 
 /// mis, and ladders of the others, that hold its time between two points where they can.
@@ -173,18 +172,28 @@ Result<Compared> compare(const std::array<DeviceMethod*, 3>& methods, const Scor
     for (const double rung : rungs) points.push_back({methods[m], rung * usual});
   const Point mis{methods[2], usual};
   points.push_back(mis);
-  const auto ran = run(points, scored, told);
-  if (!ran) return tl::unexpected(ran.error());
-  Compared all{ran->back(), {}};
+  std::vector<StudyPoint> ran;
+  for (const Point& point : points) {
+    const auto as = scored_point(point, scored, told);
+    if (!as) return tl::unexpected(as.error());
+    ran.push_back(*as);
+  }
+  const auto times = times_ms(points, scored, told);
+  if (!times) return tl::unexpected(times.error());
+  for (std::size_t k = 0; k < ran.size(); ++k) ran[k].time_ms = (*times)[k];
+  Compared all{ran.back(), {}};
   for (std::size_t m = 0; m < 2; ++m) {
-    const auto first = ran->begin() + static_cast<std::ptrdiff_t>(rungs.size() * m);
+    const auto first = ran.begin() + static_cast<std::ptrdiff_t>(rungs.size() * m);
     std::vector<StudyPoint>& ladder = all.parts[m];
     ladder.assign(first, first + rungs.size());
     while (const auto samples = next_cost(ladder, all.mis.time_ms, 1, most)) {
-      const auto more = run(std::array{Point{methods[m], *samples}, mis}, scored, told);
-      if (!more) return tl::unexpected(more.error());
-      ladder.push_back(more->front());
-      ladder.back().time_ms *= all.mis.time_ms / more->back().time_ms;
+      const Point more{methods[m], *samples};
+      auto as = scored_point(more, scored, told);
+      if (!as) return tl::unexpected(as.error());
+      const auto beside = times_ms(std::array{more, mis}, scored, told);
+      if (!beside) return tl::unexpected(beside.error());
+      as->time_ms = beside->front() * all.mis.time_ms / beside->back();
+      ladder.push_back(std::move(*as));
     }
   }
   return all;

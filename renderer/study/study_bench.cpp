@@ -1,8 +1,8 @@
 #include "renderer/study/study_bench.h"
 
-#include <algorithm>
 #include <cmath>
 
+#include "luminaire/median.h"
 #include "renderer/methods/host_evaluation.h"
 #include "renderer/study/lab.h"
 #include "renderer/study/reference_cache.h"
@@ -27,8 +27,7 @@ Result<double> timed_evaluation(DeviceMethod& method, const StudyFrame& frame, i
   }
   if (const Status read = method.read(light.irradiance); !read) return tl::unexpected(read.error());
   if (const Status read = method.read_gloss(light.gloss); !read) return tl::unexpected(read.error());
-  std::ranges::nth_element(times, times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2));
-  return times[times.size() / 2];
+  return median_of(std::move(times));
 }
 
 Result<std::unique_ptr<StudyBench>> StudyBench::create(StudyCamera& camera, const StudyLuminaire& luminaire,
