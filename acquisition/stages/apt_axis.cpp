@@ -143,24 +143,25 @@ Status AptAxis::ask_again() {
   if (unanswered_ == AptUnit::answer_waits) return unit_.silent(setup_.address, "2 s");
   ++unanswered_;
   asked_ = now;
-  return unit_.send(status_question());
+  if (Status asked = unit_.send(status_question()); !asked) return asked;
+  unit_.owes(setup_.address, status_answer(), 1);
+  return {};
 }
 
-/// Ended it is once the last question is answered, too: its answer would pass for that to the next one.
 Result<bool> AptAxis::watch() {
-  if (ended_ && Clock::now() >= asked_ + AptUnit::answer_time) unanswered_ = 0;  // it was lost
-  if (ended_ && unanswered_ == 0) return true;
+  if (ended_) return true;
   const Result<std::optional<AptMessage>> came = unit_.receive(setup_.address, listen_time);
   if (!came) return tl::unexpected(came.error());
-  if (*came && (*came)->id == status_answer())
-    unit_.owes(setup_.address, status_answer(), std::exchange(unanswered_, 0) - 1);
-  if (!ended_) {
-    const Result<bool> well = *came ? judge(**came) : false;
-    if (!well) return well;
-    ended_ = *well;
+  if (*came && (*came)->id == status_answer()) {
+    unanswered_ = 0;
+    unit_.owes(setup_.address, status_answer(), -1);
   }
-  if (Status asked = ended_ ? Status() : ask_again(); !asked) return tl::unexpected(asked.error());
-  return ended_ && unanswered_ == 0;
+  const Result<bool> well = *came ? judge(**came) : false;
+  if (!well) return well;
+  ended_ = *well;
+  if (ended_) return true;
+  if (Status asked = ask_again(); !asked) return tl::unexpected(asked.error());
+  return false;
 }
 
 /// A motion has ended by its message, or when the axis stands for a while where it was sent.

@@ -40,7 +40,7 @@ class AptUnit {
 
   /// The next message of this source; none when none came in time.
   Result<std::optional<AptMessage>> receive(std::uint8_t source, Milliseconds timeout);
-  /// So many more of these answers may still come (−1: one came): questions were asked again, and answered once.
+  /// So many more of these answers are still to come (−1: one came).
   void owes(std::uint8_t source, AptId answer, int more) {
     owed_[source] = {answer, std::max(owed_[source].count + more, 0)};
   }
