@@ -19,6 +19,7 @@ namespace {
 constexpr double watchdog_s = 0.3;
 constexpr int incomplete_limit = 5;
 constexpr double us_per_s = 1e6;
+constexpr double repeat_s = 0.4;  // Aravis 0.8 sends a GigE Vision command again when its answer is 0.5 s late
 
 struct Unref {
   void operator()(gpointer object) const { g_object_unref(object); }
@@ -171,11 +172,16 @@ Status AravisCamera::control_failure(const std::string& what, const GFault& faul
   return refused(settings_, what, fault);
 }
 
+/// One that was sent again is due as many frames: a camera may carry it out each time, and only its answer was lost.
 Status AravisCamera::trigger() {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begin = Clock::now();
   GFault fault;
   arv_camera_software_trigger(camera_.get(), fault.out());
   if (fault) return control_failure("a software trigger", fault);
-  stream_->expect_frame();
+  const double spent_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  const int repeats = at_.ipv4.empty() ? 0 : static_cast<int>(spent_s / repeat_s);
+  for (int sent = 0; sent <= repeats; ++sent) stream_->expect_frame();
   return {};
 }
 

@@ -25,7 +25,7 @@ class AravisStream {
   /// Makes the stream and starts the acquisition. Errors: frames of another size than the settings', no stream.
   static Result<AravisStream> start(ArvCamera* camera, const CameraSettings& settings, const AppliedSettings& applied);
 
-  /// A trigger was sent: one more frame is due.
+  /// A trigger was sent, or may have been carried out once more: one more frame is due.
   void expect_frame() { ++frames_due_; }
   /// Triggered, and not come yet. One of them may come at any time, as the answer to a later trigger: only another
   /// stream, begun after the acquisition stood still, is safe from it.

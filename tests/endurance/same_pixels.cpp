@@ -1,6 +1,8 @@
 // Whether two datasets hold the same cells to the bit, values and variances, whatever their generations.
 //   same_pixels A.lumi B.lumi [values]    with `values`: whatever their variances
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -9,6 +11,22 @@
 namespace lumifield {
 namespace {
 
+/// How many of the values differ, and by how much of the largest.
+std::string extent(const CellImage& a, const CellImage& b) {
+  if (a.value.size() != b.value.size()) return "";
+  std::size_t different = 0;
+  double off = 0, largest = 0;
+  for (std::size_t i = 0; i < a.value.size(); ++i) {
+    different += a.value[i] != b.value[i];
+    off = std::max(off, std::abs(double(a.value[i]) - b.value[i]));
+    largest = std::max(largest, double(a.value[i]));
+  }
+  char text[120];
+  std::snprintf(text, sizeof text, ": %zu of %zu values, by up to %.2g of the largest", different, a.value.size(),
+                off / largest);
+  return text;
+}
+
 std::string difference(const LightField& a, const LightField& b, bool values_only) {
   if (const auto member = first_difference(a.geometry(), b.geometry())) return *member;
   for (int k = 0; k < a.geometry().sampling.cells(); ++k) {
@@ -16,7 +34,7 @@ std::string difference(const LightField& a, const LightField& b, bool values_onl
     const auto one = a.cell(index), other = b.cell(index);
     const bool same =
         one && other ? one->value == other->value && (values_only || one->variance == other->variance) : one == other;
-    if (!same) return "cell " + to_string(index);
+    if (!same) return "cell " + to_string(index) + (one && other ? extent(*one, *other) : "");
   }
   return {};
 }
