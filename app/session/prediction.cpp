@@ -1,31 +1,14 @@
 #include "app/session/prediction.h"
 
-#include <sys/stat.h>
-
 #include "acquisition/scan/motion_time.h"
+#include "app/session/disk_room.h"
 #include "app/session/stored_bytes.h"
 
 namespace lumifield {
-
 namespace {
 
-struct Disk {
-  std::optional<double> free_bytes;
-  std::optional<dev_t> device;
-};
-
-/// That a path will lie on.
-Disk disk_of(std::filesystem::path out) {
-  std::error_code code;
-  out = std::filesystem::absolute(out, code);
-  while (!code && !out.empty() && !std::filesystem::exists(out, code) && out.has_relative_path())
-    out = out.parent_path();
-  const std::filesystem::space_info space = std::filesystem::space(out, code);
-  Disk disk;
-  if (!code) disk.free_bytes = static_cast<double>(space.available);
-  struct stat status {};
-  if (::stat(out.c_str(), &status) == 0) disk.device = status.st_dev;
-  return disk;
+std::optional<double> room_of(const Result<DiskRoom>& disk) {
+  return disk ? std::optional(disk->free_bytes) : std::nullopt;
 }
 
 }  // namespace
@@ -43,13 +26,14 @@ Bench at_the_pace_of(const CameraInfo& camera, Bench bench) {
 
 ScanPrediction predict(const Bench& bench, const Plan& plan, const ScanPlan& steps, const StageInfo& stage,
                        const std::filesystem::path& out, const std::filesystem::path& recorded) {
-  const Disk disk = disk_of(out);
+  const Result<DiskRoom> disk = disk_room(out);
   ScanPrediction scan{steps.cells, scan_time_s(steps.steps, bench, plan, stage_speed(bench.stage, stage)),
                       plan.stabilisation ? plan.stabilisation->limit_s : 0, stored_bytes(bench, plan, steps.cells),
-                      disk.free_bytes};
+                      room_of(disk)};
   if (recorded.empty()) return scan;
-  const Disk theirs = disk_of(recorded);
-  scan.recording = {recorded_bytes(bench, plan, steps), theirs.free_bytes, disk.device && disk.device == theirs.device};
+  const Result<DiskRoom> theirs = disk_room(recorded);
+  scan.recording = {recorded_bytes(bench, plan, steps), room_of(theirs),
+                    disk && theirs && disk->device == theirs->device};
   return scan;
 }
 

@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include "app/session/beside.h"
+#include "app/session/disk_room.h"
 
 namespace lumifield {
 
@@ -21,18 +22,6 @@ struct DiskWatch::Watch : std::enable_shared_from_this<Watch> {
   void post(const std::string& fault, double free_bytes);
 };
 
-namespace {
-
-std::filesystem::path nearest(std::filesystem::path folder) {
-  std::error_code code;
-  folder = std::filesystem::absolute(folder, code);
-  while (!folder.empty() && folder != folder.root_path() && !std::filesystem::exists(folder, code))
-    folder = folder.parent_path();
-  return folder;
-}
-
-}  // namespace
-
 void DiskWatch::Watch::run() {
   std::unique_lock lock(mutex);
   while (reader) {
@@ -44,12 +33,8 @@ void DiskWatch::Watch::run() {
 }
 
 void DiskWatch::Watch::look() {
-  std::error_code code;
-  const std::filesystem::space_info space = std::filesystem::space(nearest(folder), code);
-  if (code)
-    post(folder.string() + ": the disk's room cannot be read: " + code.message() + "; check that it is mounted", 0);
-  else
-    post({}, static_cast<double>(space.available));
+  const Result<DiskRoom> disk = disk_room(folder);
+  disk ? post({}, disk->free_bytes) : post(disk.error().message(), 0);
 }
 
 void DiskWatch::Watch::post(const std::string& fault, double free_bytes) {

@@ -6,6 +6,7 @@
 
 #include "acquisition/scan/motion_time.h"
 #include "acquisition/scan/scan_plan.h"
+#include "app/session/disk_room.h"
 #include "app/session/precedent.h"
 #include "app/session/stored_bytes.h"
 #include "app/views/scan_words.h"
@@ -63,8 +64,7 @@ std::set<CellIndex> look_at_out(ScanForecast& to, std::filesystem::path out, con
         QString::fromStdString(parent.string()) + " is not there: make that folder, or choose another";
     return {};
   }
-  const std::filesystem::space_info space = std::filesystem::space(parent, code);
-  if (!code) to.free_bytes = static_cast<double>(space.available);
+  if (const Result<DiskRoom> disk = disk_room(parent)) to.free_bytes = disk->free_bytes;
   return std::filesystem::exists(out, code) ? read_done(to, out, bench, plan) : std::set<CellIndex>();
 }
 
