@@ -18,10 +18,10 @@
 #include <unistd.h>
 #include <vector>
 
-#include "acquisition/virtual/gige_description.h"
-#include "acquisition/virtual/gige_pixels.h"
-#include "acquisition/virtual/gige_processing.h"
-#include "acquisition/virtual/gige_registers.h"
+#include "acquisition/virtual/genicam_description.h"
+#include "acquisition/virtual/genicam_pixels.h"
+#include "acquisition/virtual/genicam_processing.h"
+#include "acquisition/virtual/genicam_registers.h"
 
 namespace lumifield::virtual_bench {
 
@@ -64,13 +64,13 @@ int open_description(const std::string& xml) {
   return -1;
 }
 
-double at_start(const GigeLeftover& setting, const GigeCameraOptions& options) {
+double at_start(const GenicamLeftover& setting, const GigeCameraOptions& options) {
   return options.automatics ? setting.left : setting.harmless;
 }
 
 std::map<std::string, double> stuck_values(const GigeCameraOptions& options) {
   std::map<std::string, double> values;
-  for (const GigeLeftover& each : leftovers)
+  for (const GenicamLeftover& each : leftovers)
     if (std::ranges::find(options.stuck, each.feature) != options.stuck.end())
       values[each.feature] = at_start(each, options);
   return values;
@@ -80,7 +80,7 @@ std::map<std::string, double> stuck_values(const GigeCameraOptions& options) {
 
 struct GigeCamera::Impl {
   GigeCameraOptions options;
-  GigePixelFormat format;
+  GenicamPixelFormat format;
   Sight sight;
   std::atomic<bool> frozen = false;
   std::atomic<std::uint64_t> sent = 0;
@@ -142,14 +142,14 @@ struct GigeCamera::Impl {
     for (const auto& [address, value] : values) set(address, value);
     set_double(registers::exposure_time, 10000);
     set_double(registers::gain, 0);
-    for (const GigeLeftover& each : leftovers) {
+    for (const GenicamLeftover& each : leftovers) {
       const double value = at_start(each, options);
       each.is_float ? set_double(each.address, value) : set(each.address, guint32(value));
     }
     arv_fake_camera_set_trigger_frequency(camera, 1000);
   }
 
-  GigeProcessing processing() const {
+  GenicamProcessing processing() const {
     const double gain_db =
         get(registers::digital_gain_auto) != 0 ? automatic_gain_db : get_double(registers::digital_gain);
     return {.mirrored_x = get(registers::reverse_x) != 0,
@@ -189,7 +189,7 @@ struct GigeCamera::Impl {
     const int width = arv_buffer_get_image_width(buffer), height = arv_buffer_get_image_height(buffer);
     std::vector<std::uint16_t> dn = photosites(exposure, width, height);
     const std::uint64_t frame = ++sent;
-    if (const GigeProcessing now = processing(); now.changes()) now.apply(dn, width, format.bits, frame);
+    if (const GenicamProcessing now = processing(); now.changes()) now.apply(dn, width, format.bits, frame);
     pack(dn, format, {data, (dn.size() * std::size_t(format.bits_per_pixel()) + 7) / 8});
     const std::lock_guard lock(mutex);
     pending = false;
@@ -240,12 +240,12 @@ struct GigeCamera::Impl {
 };
 
 Result<std::unique_ptr<GigeCamera>> GigeCamera::start(const GigeCameraOptions& options, Sight sight) {
-  const auto format = gige_pixel_format(options.pixel_format);
+  const auto format = genicam_pixel_format(options.pixel_format);
   if (!format) return fail("pixel format unknown", options.pixel_format, "give one such as Mono12 or BayerRG12p");
   if (options.serial.empty() || options.serial.size() >= serial_bytes)
     return fail("the serial number must have 1 to 15 characters", options.serial);
   if (auto free = check_address(options.address); !free) return tl::unexpected(free.error());
-  const int description = open_description(gige_description(options.pixel_format, stuck_values(options)));
+  const int description = open_description(genicam_description(options.pixel_format, stuck_values(options)));
   if (description < 0) return fail(std::string("no memory for the camera's description: ") + std::strerror(errno), "");
   const std::string description_path = "/proc/self/fd/" + std::to_string(description);
 

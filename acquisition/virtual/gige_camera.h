@@ -13,10 +13,10 @@ namespace lumifield::virtual_bench {
 struct GigeCameraOptions {
   std::string address = "127.0.0.1";    ///< of a network interface of this machine
   std::string serial = "LF0001";        ///< at most 15 characters
-  std::string pixel_format = "Mono12";  ///< the one the sensor delivers, of gige_pixels.h
+  std::string pixel_format = "Mono12";  ///< the one the sensor delivers, of genicam_pixels.h
   int width_px = 1024, height_px = 768;
   double lost_packet_ratio = 0;         ///< share of stream packets that are not sent, 0…1
-  bool automatics = false;              ///< on at the start, and all `leftovers` of gige_registers.h with them
+  bool automatics = false;              ///< on at the start, and all `leftovers` of genicam_registers.h with them
   std::vector<std::string> stuck = {};  ///< of the leftovers: keep the value of the start
 };
 

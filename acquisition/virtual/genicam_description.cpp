@@ -1,8 +1,8 @@
-#include "acquisition/virtual/gige_description.h"
+#include "acquisition/virtual/genicam_description.h"
 
 #include <sstream>
 
-#include "acquisition/virtual/gige_pixels.h"
+#include "acquisition/virtual/genicam_pixels.h"
 
 namespace lumifield::virtual_bench {
 
@@ -17,8 +17,8 @@ void replace_all(std::string& text, const std::string& what, const std::string& 
 
 }  // namespace
 
-std::string gige_description(const std::string& pixel_format, const std::map<std::string, double>& stuck) {
-  const GigePixelFormat format = gige_pixel_format(pixel_format).value();
+std::string genicam_description(const std::string& pixel_format, const std::map<std::string, double>& stuck) {
+  const GenicamPixelFormat format = genicam_pixel_format(pixel_format).value();
   std::string xml = virtual_camera_xml;
   replace_all(xml, "PIXEL_FORMAT_NAME", pixel_format);
   replace_all(xml, "PIXEL_FORMAT_CODE", std::to_string(format.code));
