@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -18,6 +19,9 @@ struct GenicamPixelFormat {
   Packing packing = Packing::bytes;
 
   int bits_per_pixel() const { return static_cast<int>(code >> 16 & 0xff); }
+  std::size_t bytes_of(std::size_t pixels) const {
+    return (pixels * static_cast<std::size_t>(bits_per_pixel()) + 7) / 8;
+  }
 };
 
 /// Mono and Bayer of all four patterns, each with 8, 10, 12 and 16 bits, 10Packed, 12Packed, 10p and 12p; Mono14.
