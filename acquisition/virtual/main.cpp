@@ -228,8 +228,9 @@ Status start_stage(Options& options, Devices& devices, const std::filesystem::pa
   return {};
 }
 
-int run_bench(Options& options, Devices& devices, const KnobPanel& panel) {
+int run_bench(Options& options, Devices& devices, const KnobPanel& panel, char** argv) {
   if (options.command.empty()) return report({"no command given", "", "lumifield-bench --lamp bike -- COMMAND…"}, 2);
+  if (options.stage_kind != "grbl") UsbBus::enter(argv);
   // All threads inherit this, so that only run_command sees these signals.
   sigset_t handled;
   sigemptyset(&handled);
@@ -265,7 +266,6 @@ int run_bench(Options& options, Devices& devices, const KnobPanel& panel) {
   if (!(std::ofstream(file) << to_json(bench) << std::flush))
     return report({"cannot be written", file.string(), "check the space there"});
   setenv("LUMIFIELD_BENCH", file.c_str(), 1);
-  if (devices.usb) UsbBus::preload();
   return run_command(options.command, handled);
 }
 
@@ -338,7 +338,7 @@ int parse_and_run(int argc, char** argv) {
   if (const Status filter = apply_filter(options.filter, world); !filter) return report(filter.error(), 2);
   if (const Status size = apply_size(options.size, world); !size) return report(size.error(), 2);
   if (format->empty() && world.lamp == "led-array") world.pixel_format = "BayerRG12";
-  if (!*truth) return run_bench(options, devices, panel);
+  if (!*truth) return run_bench(options, devices, panel, argv);
   const Status written = write_truth(world, options.projected, options.points, options.out, options.grid);
   return written ? 0 : report(written.error());
 }
