@@ -1,12 +1,13 @@
 #include "acquisition/virtual/bench_devices.h"
 
 #include "acquisition/virtual/apt_controller.h"
+#include "acquisition/virtual/usb3_camera.h"
 
 namespace lumifield::virtual_bench {
 namespace {
 
 /// The bench's camera, of the kind and with the world that the options name, and how the bench file names it. Switched
-/// off and on again it is another one at the same place, with the same serial number.
+/// off and on again it is another one at the same place, with the same serial number; one on USB is unplugged.
 Status start_camera(DeviceOptions& options, Devices& devices, const std::filesystem::path& folder,
                     CameraSettings& settings) {
   const WorldOptions& world = options.world;
@@ -26,6 +27,19 @@ Status start_camera(DeviceOptions& options, Devices& devices, const std::filesys
                           devices.world->expose(e.stage_mm, e.exposure_s, e.gain_db, e.width_px, e.height_px,
                                                 e.offset_x_px, e.offset_y_px, dn);
                         }};
+  if (options.camera_kind == "usb3") {
+    Usb3Camera::Options usb3{.genicam = {.automatics = true}};
+    look_at_world(usb3.genicam);
+    auto camera = Usb3Camera::start(*devices.usb, usb3, sight);
+    if (!camera) return tl::unexpected(camera.error());
+    settings.address = serial;
+    devices.switch_camera = [camera = camera->get()](bool off) {
+      if (off) camera->unplug();
+      return off ? Status() : camera->plug();
+    };
+    devices.camera = std::move(*camera);
+    return {};
+  }
   settings.address = options.camera.address;
   if (options.camera_kind == "v4l2") settings.kind = "v4l2", settings.address = options.video.folder / "video0";
   devices.switch_camera = [&options, &devices, sight](bool off) -> Status {

@@ -21,16 +21,16 @@ struct DeviceOptions {
   GigeCameraOptions camera;
   V4l2CameraOptions video;
   GrblOptions stage;
-  std::string camera_kind = "gige";  ///< "gige" | "v4l2"
+  std::string camera_kind = "gige";  ///< "gige" | "usb3" | "v4l2"
   std::string stage_kind = "grbl";   ///< "grbl" | "apt" | "apt-rack"
 
-  bool has_usb() const { return stage_kind != "grbl"; }
+  bool has_usb() const { return camera_kind == "usb3" || stage_kind != "grbl"; }
 };
 
 /// The world goes last: stage and camera look into it.
 struct Devices {
   std::unique_ptr<World> world;
-  std::unique_ptr<UsbBus> usb;  ///< where the stage is on USB
+  std::unique_ptr<UsbBus> usb;  ///< where the camera or the stage is on USB
   std::unique_ptr<StageServer> stage;
   std::unique_ptr<CameraServer> camera;  ///< null while it is switched off
   std::function<Status(bool off)> switch_camera;

@@ -36,4 +36,14 @@ std::string genicam_description(const std::string& pixel_format, const std::map<
   return xml;
 }
 
+std::string move_registers(std::string xml, std::uint32_t by) {
+  const std::string begin = "<Address>", end = "</Address>";
+  for (std::size_t at = xml.find(begin); at != std::string::npos; at = xml.find(begin, at)) {
+    at += begin.size();
+    const std::size_t length = xml.find(end, at) - at;
+    xml.replace(at, length, std::to_string(std::stoul(xml.substr(at, length), nullptr, 16) + by));
+  }
+  return xml;
+}
+
 }  // namespace lumifield::virtual_bench

@@ -142,8 +142,9 @@ int parse_and_run(int argc, char** argv) {
   app.add_option("--lamp", world.lamp, "what is measured")->check(of({"bike", "headlight", "led-array"}));
   app.add_option("--filter", options.filter, "BASIS:SPACING_MM:WINDOW of the slide");
   app.add_option("--seed", world.seed, "of the noise");
-  app.add_option("--camera", options.camera_kind, "how it is reached: GigE Vision, or V4L2 on a FUSE file")
-      ->check(of({"gige", "v4l2"}));
+  app.add_option("--camera", options.camera_kind,
+                 "how it is reached: GigE Vision, USB3 Vision on a virtual bus, or V4L2 on a FUSE file")
+      ->check(of({"gige", "usb3", "v4l2"}));
   app.add_option("--address", options.camera.address, "the GigE camera's, of an interface of this machine");
   app.add_option("--stage", options.stage_kind,
                  "GRBL on a terminal, or Thorlabs on USB: a pair of units, or a rack's bays")
@@ -152,7 +153,8 @@ int parse_and_run(int argc, char** argv) {
                  "where the GRBL stage's terminal is linked; else a temporary path");
   app.add_option("--knobs", options.knobs, "Unix socket that takes lines `NAME VALUE` and `get NAME`");
   app.add_option("--set", options.set, "NAME=VALUE of a knob from the start; may be repeated")->allow_extra_args(false);
-  app.add_option("--loss", options.camera.lost_packet_ratio, "share of stream packets lost")->check(CLI::Range(0., 1.));
+  app.add_option("--loss", options.camera.lost_packet_ratio, "share of GigE Vision packets lost")
+      ->check(CLI::Range(0., 1.));
   app.add_option("--carries", options.carries, "what the stage moves")->check(of({"slide", "lamp"}));
   app.add_option("--change", options.change, "who changes the pass; by the operator: knob slide, at first 1")
       ->check(of({"stage", "operator"}));
