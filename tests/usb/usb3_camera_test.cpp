@@ -10,6 +10,7 @@
 namespace lumifield {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 class Usb3CameraTest : public test::CameraTest {
@@ -169,6 +170,28 @@ TEST_F(Usb3CameraTest, FramesThatComeShortAreTakenAgain) {
   EXPECT_GT(camera->frames_retaken(), 0);
 }
 
+TEST_F(Usb3CameraTest, WhenNoWholeFrameComesTheRemedyIsOneForUsb) {
+  Usb3Double::Options options = small();
+  options.cut_every = 1;
+  Usb3Double double_(options);
+  const auto camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  const auto for_usb = AllOf(HasSubstr("cable"), testing::Not(HasSubstr("network")), testing::Not(HasSubstr("packet")));
+  EXPECT_THAT(refusal(*camera, 0.001), AllOf(HasSubstr("6 incomplete frames in a row"), for_usb));
+  double_.server().freeze(true);
+  EXPECT_THAT(refusal(*camera, 0.001), AllOf(HasSubstr("twice, though the camera answers"), for_usb));
+}
+
+TEST_F(Usb3CameraTest, BrokenFramesAreToldWithARemedyForUsb) {
+  Usb3Double::Options options = small();
+  options.cut_every = 2;
+  Usb3Double double_(options);
+  const DeviceReport report = try_camera(double_.settings(), 3, 0.001);
+  EXPECT_TRUE(report.usable);
+  EXPECT_THAT(report.reason, HasSubstr("frames came broken"));
+  EXPECT_THAT(report.remedy, AllOf(HasSubstr("off its bus"), testing::Not(HasSubstr("net"))));
+}
+
 TEST_F(Usb3CameraTest, UnpluggedItIsGoneUntilItIsOpenedAgain) {
   Usb3Double double_;
   auto camera = open(double_.settings());
@@ -197,6 +220,14 @@ TEST_F(Usb3CameraTest, UnpluggedInAnExposureItIsGone) {
     double_.server().unplug();
   });
   EXPECT_THAT(refusal(*camera, 2), HasSubstr("camera gone"));
+}
+
+TEST_F(Usb3CameraTest, OneProgramAtATime) {
+  Usb3Double double_;
+  const auto camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  EXPECT_THAT(refusal(double_.settings()), HasSubstr("held by another program"));
+  EXPECT_TRUE(camera->expose(0.001));
 }
 
 TEST_F(Usb3CameraTest, AnIdThatNoCameraHasIsRefused) {
