@@ -49,6 +49,7 @@ class AravisCamera final : public Camera {
   std::string packets_name() const {
     return info_.vendor + " " + info_.model + " " + info_.serial + " at " + info_.address;
   }
+  bool is_on_usb() const { return at_.ipv4.empty(); }
   double frame_time_s() const { return exposure_s_ + settings_.readout_s + watchdog_s; }
 
   tl::unexpected<Error> error(std::string what, std::string remedy) const {
@@ -105,7 +106,7 @@ Status AravisCamera::start() {
 
 /// Others than GigE Vision cameras send no packets that could be chosen.
 Status AravisCamera::set_packets() {
-  if (at_.ipv4.empty()) return {};
+  if (is_on_usb()) return {};
   const Result<StreamPackets> packets = choose_packets(camera_.get(), settings_, applied_, packets_name());
   if (!packets) return tl::unexpected(packets.error());
   if (settings_.packet_bytes == 0)
@@ -138,7 +139,7 @@ Status AravisCamera::pass_over_late_frames() {
 Status AravisCamera::check_alive() {
   if (is_gone_) return gone("its link was lost before");
   if (control_lost_) return gone("control of it was lost");
-  if (at_.ipv4.empty()) {
+  if (is_on_usb()) {
     GFault fault;
     guint32 version = 0;  // the first register of every bus
     arv_device_read_register(arv_camera_get_device(camera_.get()), 0, &version, fault.out());
@@ -198,7 +199,8 @@ Result<RawImage> AravisCamera::expose(double exposure_s) {
       if (Status alive = check_alive(); !alive) return tl::unexpected(alive.error());
       if (was_lost)
         return error("no frame within " + number(frame_time_s()) + " s, twice, though the camera answers",
-                     "check the firewall, and that the network passes packets of packet_bytes");
+                     is_on_usb() ? "take another cable or port, or switch the camera off and on"
+                                 : "check the firewall, and that the network passes packets of packet_bytes");
       was_lost = true;
       continue;
     }
@@ -209,9 +211,12 @@ Result<RawImage> AravisCamera::expose(double exposure_s) {
     ++incomplete;
     ++frames_retaken_;
   }
-  remember_packets(packets_name(), std::nullopt);  // found when the network was another
-  return error(std::to_string(incomplete_limit + 1) + " incomplete frames in a row",
-               "check cable and network, set packet_bytes to 0 to have it found, or raise net.core.rmem_max to 8 MiB");
+  if (!is_on_usb()) remember_packets(packets_name(), std::nullopt);  // found when the network was another
+  return error(
+      std::to_string(incomplete_limit + 1) + " incomplete frames in a row",
+      is_on_usb()
+          ? "take another cable or port, or take other devices off its bus"
+          : "check cable and network, set packet_bytes to 0 to have it found, or raise net.core.rmem_max to 8 MiB");
 }
 
 }  // namespace
@@ -224,6 +229,8 @@ Result<std::unique_ptr<Camera>> open_aravis_camera(const CameraSettings& setting
 
   GFault fault;
   CameraHandle handle(arv_camera_new(at->name.c_str(), fault.out()));
+  if (!handle && at->ipv4.empty() && fault.text().find("LIBUSB_ERROR_BUSY") != std::string::npos)
+    return held_by_another(settings.address);
   if (!handle)
     return fail("cannot be opened (" + fault.text() + ")", "camera " + settings.address,
                 "close other programs that may use it, then switch it off and on");

@@ -8,8 +8,8 @@ namespace lumifield {
 
 /// A GenICam camera through Aravis: GigE Vision, or USB3 Vision. A GigE Vision camera is opened by its IPv4 address; a
 /// name (id or serial) is looked up first, 1 s, and a name that several have is refused with the list of them. One on
-/// USB is opened by its id. Shown on GigE Vision, and without a network on Aravis' camera in process; no USB3 Vision
-/// camera has been tried.
+/// USB is opened by its id. Shown on simulated cameras: GigE Vision over sockets, USB3 Vision over libusb, and Aravis'
+/// camera in process; on no maker's.
 ///
 /// Opening applies pixel format, binning, full region, gain, software trigger, everything automatic and every gamma off
 /// (aravis_automatics.h), and reads them back; then the stream runs until the end, one trigger a frame. Formats are

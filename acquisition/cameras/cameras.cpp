@@ -1,6 +1,7 @@
 #include "acquisition/camera.h"
 #include "acquisition/cameras/aravis_camera.h"
 #include "acquisition/cameras/aravis_discovery.h"
+#include "acquisition/cameras/gvcp_probe.h"
 #include "acquisition/cameras/replay_camera.h"
 #include "acquisition/cameras/v4l2_camera.h"
 
@@ -12,18 +13,24 @@ struct CameraKind {
   Result<std::unique_ptr<Camera>> (*open)(const CameraSettings&);
   std::vector<DeviceReport> (*find)();
   DeviceReport (*probe)(const CameraSettings&);
-  std::string_view when_frames_break;  ///< what to do
+  std::string_view (*when_frames_break)(const CameraInfo&);  ///< what to do
 };
+
+constexpr std::string_view usb_advice =
+    "take other devices off its bus, take another cable or port, or choose a smaller picture";
+
+std::string_view network_or_usb_advice(const CameraInfo& info) {
+  if (!is_ipv4_address(info.address)) return usb_advice;
+  return "let sockets hold a frame (net.core.rmem_max, see docs/endurance.md), give the camera a network card of its "
+         "own, or make packet_bytes smaller";
+}
 
 // A new kind is a file beside this one and a line here.
 constexpr CameraKind kinds[] = {
-    {"aravis", open_aravis_camera, find_aravis_cameras, probe_aravis_camera,
-     "let sockets hold a frame (net.core.rmem_max, see docs/endurance.md), give the camera a network card of its own, "
-     "or "
-     "make packet_bytes smaller"},
-    {"v4l2", open_v4l2_camera, find_v4l2_cameras, probe_v4l2_camera,
-     "take other devices off its bus, take another cable or port, or choose a smaller picture"},
-    {"replay", open_replay_camera, find_replay_cameras, probe_replay_camera, "copy the folder anew"},
+    {"aravis", open_aravis_camera, find_aravis_cameras, probe_aravis_camera, network_or_usb_advice},
+    {"v4l2", open_v4l2_camera, find_v4l2_cameras, probe_v4l2_camera, [](const CameraInfo&) { return usb_advice; }},
+    {"replay", open_replay_camera, find_replay_cameras, probe_replay_camera,
+     [](const CameraInfo&) { return std::string_view("copy the folder anew"); }},
 };
 
 Result<CameraKind> kind_of(const CameraSettings& settings) {
@@ -66,7 +73,7 @@ DeviceReport try_camera(const CameraSettings& settings, int frames, double expos
   if (broken == 0) return report;
   report.reason = std::to_string(broken) + " of " + std::to_string(frames + broken) +
                   " frames came broken, so that packets are lost; they are taken again";
-  report.remedy = kind->when_frames_break;
+  report.remedy = kind->when_frames_break(info);
   return report;
 }
 

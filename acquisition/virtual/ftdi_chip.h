@@ -11,15 +11,11 @@
 
 namespace lumifield::virtual_bench {
 
-/// An FT232 on the virtual USB bus: what its driver asks by usbfs requests, and the bytes of its serial line, which the
-/// device behind it takes and sends. Bytes go out at once, or empty packets after the latency time, as the chip's.
+/// An FT232 on the virtual USB bus: what its driver asks, and the bytes of its serial line, which the device behind it
+/// takes and sends. Bytes go out at once, or empty packets after the latency time, as the chip's.
 ///
-///     plugged in ── unplug ──▶ gone: every request is answered ENODEV, and nobody finds it ── plug ──▶ plugged in, as
-///     a new device with the same serial number
-///
-/// One program claims it; another's claim is answered EBUSY, and so is any while the kernel's driver has it, until that
-/// is detached. Nobody is told of plugging in and out unasked (uevents). Thread-safe. Sources: FTDI AN232B-04 (packets
-/// of 64 bytes that begin with two of status), libftdi1 (requests), Linux usbdevfs.
+/// Unplugged and plugged in as a UsbDevice is. Thread-safe. Sources: FTDI AN232B-04 (packets of 64 bytes that begin
+/// with two of status), libftdi1 (requests).
 class FtdiChip {
  public:
   using Bytes = std::vector<std::uint8_t>;

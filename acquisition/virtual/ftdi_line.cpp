@@ -1,28 +1,18 @@
 #include "acquisition/virtual/ftdi_line.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+
+#include "acquisition/virtual/usb_device.h"
 
 namespace lumifield::virtual_bench {
 
 namespace {
 
-constexpr std::uint8_t get_descriptor = 6, string_descriptor = 3, english[2] = {0x09, 0x04};
-constexpr std::uint8_t standard_in = 0x80, vendor_out = 0x40, vendor_in = 0xc0;
+constexpr std::uint8_t vendor_out = 0x40, vendor_in = 0xc0;
 constexpr std::uint8_t reset = 0, get_modem_status = 5, set_latency = 9, get_latency = 10;
 constexpr int purge_received = 1, purge_to_send = 2;
-
-int tell_string(const FtdiLine& line, int index, std::uint8_t* answer, int length) {
-  const std::string names[] = {"", "Thorlabs", line.product, line.serial};
-  if (index >= 4) return -EPIPE;
-  std::vector<std::uint8_t> text{0, string_descriptor};
-  if (index == 0) text.insert(text.end(), english, english + 2);
-  for (const char c : names[index]) text.push_back(static_cast<std::uint8_t>(c)), text.push_back(0);
-  text[0] = static_cast<std::uint8_t>(text.size());
-  const int count = std::min(length, static_cast<int>(text.size()));
-  std::copy_n(text.begin(), count, answer);
-  return count;
-}
 
 }  // namespace
 
@@ -30,8 +20,8 @@ int answer_control(FtdiLine& line, std::uint8_t* setup) {
   const std::uint8_t type = setup[0], request = setup[1];
   const int value = setup[2] | setup[3] << 8, length = setup[6] | setup[7] << 8;
   std::uint8_t* const answer = setup + 8;
-  if (type == standard_in && request == get_descriptor && value >> 8 == string_descriptor)
-    return tell_string(line, value & 0xff, answer, length);
+  if (asks_for_usb_string(setup))
+    return tell_usb_string(std::array{std::string("Thorlabs"), line.product, line.serial}, setup);
   if (type == vendor_out) {
     if (request == set_latency) line.latency_ms = value & 0xff;
     if (request == reset && value == purge_received) line.received.clear();

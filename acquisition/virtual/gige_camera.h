@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "acquisition/virtual/sight.h"
+#include "acquisition/virtual/genicam_sensor.h"
 #include "luminaire/error.h"
 
 namespace lumifield::virtual_bench {
@@ -13,27 +13,16 @@ namespace lumifield::virtual_bench {
 struct GigeCameraOptions {
   std::string address = "127.0.0.1";    ///< of a network interface of this machine
   std::string serial = "LF0001";        ///< at most 15 characters
-  std::string pixel_format = "Mono12";  ///< the one the sensor delivers, of gige_pixels.h
+  std::string pixel_format = "Mono12";  ///< the one the sensor delivers, of genicam_pixels.h
   int width_px = 1024, height_px = 768;
   double lost_packet_ratio = 0;         ///< share of stream packets that are not sent, 0…1
-  bool automatics = false;              ///< on at the start, and all `leftovers` of gige_registers.h with them
+  bool automatics = false;              ///< on at the start, and all `leftovers` of genicam_registers.h with them
   std::vector<std::string> stuck = {};  ///< of the leftovers: keep the value of the start
 };
 
 /// A GigE Vision camera (GVCP on port 3956, GVSP) on one address of this machine: Aravis' simulator with our GenICam
-/// description. Features: Width, Height, OffsetX, OffsetY (even), BinningHorizontal, BinningVertical (1 … 4, means),
-/// PixelFormat, ExposureTime (µs), Gain (dB), TriggerMode, TriggerSource = Software, TriggerSoftware. Each of these
-/// spoils the frames: ExposureMode TriggerWidth (there is no such trigger: 20 ms), ExposureAuto, GainAuto, Gain under
-/// GainSelector DigitalAll, BlackLevelAuto, BalanceWhiteAuto, BalanceRatio under BalanceRatioSelector Red and Blue,
-/// GammaEnable with Gamma, LUTEnable, ReverseX, ReverseY.
-///
-///     armed ── TriggerSoftware ──▶ exposing ── exposure time over and image computed ──▶ read out ──▶ armed
-///
-/// The stage position, exposure time and gain of a frame are those at the start of the exposure; a trigger during an
-/// exposure is ignored (TriggerOverlap Off), one during readout is kept. With TriggerMode Off exposures follow each
-/// other without a pause. The exposure is emulated by releasing the simulator's own trigger late, within a millisecond,
-/// so that GVCP is answered meanwhile. An exposure ends without a frame when its acquisition or its stream does.
-/// freeze() is thread-safe; destroying it takes up to 0.1 s.
+/// description and a GenicamSensor. The exposure is emulated by releasing the simulator's own trigger late, within a
+/// millisecond, so that GVCP is answered meanwhile. freeze() is thread-safe; destroying it takes up to 0.1 s.
 class GigeCamera final : public CameraServer {
  public:
   /// Errors: address held by another program, address of no interface here, pixel format unknown, serial too long.

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -15,56 +14,18 @@
 #include <unistd.h>
 #include <vector>
 
-#include "acquisition/virtual/apt_controller.h"
-#include "acquisition/virtual/gige_camera.h"
-#include "acquisition/virtual/grbl_controller.h"
-#include "acquisition/virtual/knobs.h"
+#include "acquisition/virtual/bench_devices.h"
 #include "acquisition/virtual/truth_table.h"
-#include "acquisition/virtual/usb_bus.h"
-#include "acquisition/virtual/v4l2_camera.h"
-#include "acquisition/virtual/world.h"
 
 namespace lumifield::virtual_bench {
 namespace {
 
-struct Options {
-  WorldOptions world;
-  GigeCameraOptions camera;
-  V4l2CameraOptions video;
-  GrblOptions stage;
-  std::string camera_kind = "gige", stage_kind = "grbl", filter = "bell:7.5:4", size = "1024x768", carries = "slide",
-              change = "stage", knobs, points, out, line;
+struct Options : DeviceOptions {
+  std::string filter = "bell:7.5:4", size = "1024x768", carries = "slide", change = "stage", knobs, points, out, line;
   std::vector<std::string> command, set;
   bool projected = false;
   TruthGrid grid;
 };
-
-/// The world goes last: stage and camera look into it.
-struct Devices {
-  std::unique_ptr<World> world;
-  std::unique_ptr<UsbBus> usb;  ///< where the stage is on USB
-  std::unique_ptr<StageServer> stage;
-  std::unique_ptr<CameraServer> camera;  ///< null while it is switched off
-  std::function<Result<std::unique_ptr<CameraServer>>()> make_camera;
-  std::atomic<double> worst_off_mm = 0;  ///< of an exposure since it was last asked for
-
-  /// Where an exposure that begins now is taken.
-  Vec2 exposed_at() {
-    const double off_mm = stage->off_mm().norm();
-    for (double worst = worst_off_mm; off_mm > worst && !worst_off_mm.compare_exchange_weak(worst, off_mm);) continue;
-    return stage->true_position_mm();
-  }
-};
-
-/// Switches the camera off, or on again: another one at the same place, with the same serial.
-Status switch_camera(Devices& bench, bool off) {
-  bench.camera.reset();
-  if (off) return {};
-  auto camera = bench.make_camera();
-  if (!camera) return tl::unexpected(camera.error());
-  bench.camera = std::move(*camera);
-  return {};
-}
 
 /// A folder under the system's temporary one, removed with all that it holds.
 class TemporaryFolder {
@@ -110,44 +71,6 @@ Status apply_size(const std::string& text, WorldOptions& world) {
   return check(world);
 }
 
-/// The knobs of devices that may not have been made yet.
-KnobPanel make_knobs(Devices& bench) {
-  const auto fault = [](const char* values, auto act) {
-    return Knob{values, [act](double value) { return act(value), Status(); }, {}};
-  };
-  KnobPanel knobs{
-      {"lost_steps", fault("mm per move", [&](double value) { bench.stage->lose_steps(value); })},
-      {"backlash", fault("mm", [&](double value) { bench.stage->set_backlash(value); })},
-      {"stuck_stage", fault("0|1", [&](double value) { bench.stage->stick(value != 0); })},
-      {"silent_stage", fault("0|1", [&](double value) { bench.stage->silence(value != 0); })},
-      {"stage_alarm", fault("1", [&](double value) { value != 0 ? bench.stage->trip_limit() : void(); })},
-      {"unplugged_stage",
-       {"0|1, of a stage on USB", [&](double value) { return bench.stage->unplug(value != 0); }, {}}},
-      {"frozen_camera", fault("0|1", [&](double value) { bench.camera ? bench.camera->freeze(value != 0) : void(); })},
-      {"camera_off", {"0|1", [&](double value) { return switch_camera(bench, value != 0); }, {}}},
-      {"frames", {"read only", {}, [&] { return std::to_string(bench.camera ? bench.camera->frames_sent() : 0); }}},
-      {"lamp_light",
-       {"read only, 1 without drift and warm-up", {}, [&] { return std::to_string(bench.world->light()); }}},
-      {"worst_off",
-       {"read only, mm: farthest that the stage truly stood from its reading in an exposure since last read",
-        {},
-        [&] { return std::to_string(bench.worst_off_mm.exchange(0)); }}},
-      {"true_position", {"read only, mm", {}, [&] {
-                           const Vec2 at = bench.stage->true_position_mm();
-                           return std::to_string(at.x()) + " " + std::to_string(at.y());
-                         }}}};
-  for (const auto& [name, values] :
-       {std::pair{"noise", "0|1"},
-        {"optics", "0|1"},
-        {"filter", "0|1, 0: no slide"},
-        {"slide", "0|1|2, 0: the one with both filters, 1: with the positive, 2: the negative"},
-        {"lamp_drift", "relative change per hour"},
-        {"lamp_warm_up", "relative excess of its light, from now on fading"},
-        {"lamp_warm_up_s", "time constant of that, from now on"}})
-    knobs[name] = {values, [&bench, name = name](double value) { return bench.world->set(name, value); }, {}};
-  return knobs;
-}
-
 /// Runs the command with the signals of `handled`, blocked in this process, passed on to it. 128 + n when a signal n
 /// ended it, 127 when it cannot be run.
 int run_command(const std::vector<std::string>& command, const sigset_t& handled) {
@@ -173,63 +96,9 @@ int run_command(const std::vector<std::string>& command, const sigset_t& handled
   }
 }
 
-/// How the bench's camera comes to be, of the kind and with the world that the options name.
-void make_camera_of(Options& options, Devices& devices, const std::filesystem::path& folder) {
-  const WorldOptions& world = options.world;
-  const std::string serial = "LF" + std::to_string(world.seed % 1'000'000);
-  const auto look_at_world = [&](auto& camera) {
-    camera.pixel_format = world.pixel_format, camera.serial = serial;
-    camera.width_px = world.width_px, camera.height_px = world.height_px;
-  };
-  look_at_world(options.camera);
-  options.camera.automatics = true;
-  look_at_world(options.video);
-  options.video.folder = folder / "video";
-  const Sight sight{.stage_mm = [&] { return devices.exposed_at(); },
-                    .wait_ready = [&](const Vec2& at) { devices.world->wait_ready(at); },
-                    .expose =
-                        [&](const Exposure& e, std::span<std::uint16_t> dn) {
-                          devices.world->expose(e.stage_mm, e.exposure_s, e.gain_db, e.width_px, e.height_px,
-                                                e.offset_x_px, e.offset_y_px, dn);
-                        }};
-  devices.make_camera = [&, sight]() -> Result<std::unique_ptr<CameraServer>> {
-    if (options.camera_kind == "v4l2") return V4l2Camera::start(options.video, sight);
-    return GigeCamera::start(options.camera, sight);
-  };
-}
-
-/// The stage that the options name, and how the bench file names it.
-Status start_stage(Options& options, Devices& devices, const std::filesystem::path& folder, Bench& bench) {
-  const auto prepare = [&devices](const Vec2& at) { devices.world->prepare(at); };
-  // The stage reads 0 … travel, which holds the bench's limits.
-  options.stage.travel_mm = bench.limits.high_mm;
-  if (options.stage_kind == "grbl") {
-    if (options.stage.path.empty()) options.stage.path = folder / "stage";
-    auto stage = GrblController::start(options.stage, prepare);
-    if (!stage) return tl::unexpected(stage.error());
-    bench.stage.path = options.stage.path;
-    devices.stage = std::move(*stage);
-    return {};
-  }
-  auto usb = UsbBus::create();
-  if (!usb) return tl::unexpected(usb.error());
-  devices.usb = std::move(*usb);
-  AptOptions apt;
-  apt.kind = options.stage_kind == "apt" ? AptOptions::Kind::pair : AptOptions::Kind::rack;
-  apt.travel_mm = options.stage.travel_mm;
-  apt.rapid_mm_s = options.stage.rapid_mm_s;
-  apt.acceleration_mm_s2 = options.stage.acceleration_mm_s2;
-  auto stage = AptController::start(*devices.usb, apt, prepare);
-  if (!stage) return tl::unexpected(stage.error());
-  bench.stage.kind = "apt";
-  bench.stage.apt = {(*stage)->serials(), apt.kind == AptOptions::Kind::pair ? "kdc101" : "bsc20x",
-                     Vec2::Constant((*stage)->counts_per_mm()), Vec2(1, 1), apt.travel_mm};
-  devices.stage = std::move(*stage);
-  return {};
-}
-
-int run_bench(Options& options, Devices& devices, const KnobPanel& panel) {
+int run_bench(Options& options, Devices& devices, const KnobPanel& panel, char** argv) {
   if (options.command.empty()) return report({"no command given", "", "lumifield-bench --lamp bike -- COMMAND…"}, 2);
+  if (options.has_usb()) UsbBus::enter(argv);
   // All threads inherit this, so that only run_command sees these signals.
   sigset_t handled;
   sigemptyset(&handled);
@@ -238,14 +107,8 @@ int run_bench(Options& options, Devices& devices, const KnobPanel& panel) {
 
   const TemporaryFolder folder;
   if (folder.path().empty()) return report({"no temporary folder can be made", "", "check TMPDIR"});
-  auto world = World::create(options.world);
-  if (!world) return report(world.error());
-  devices.world = std::move(*world);
-  Bench bench = devices.world->bench();
-
-  if (Status stage = start_stage(options, devices, folder.path(), bench); !stage) return report(stage.error());
-  make_camera_of(options, devices, folder.path());
-  if (Status on = switch_camera(devices, false); !on) return report(on.error());
+  const Result<Bench> bench = start_devices(options, devices, folder.path());
+  if (!bench) return report(bench.error());
 
   for (std::string setting : options.set) {
     std::ranges::replace(setting, '=', ' ');
@@ -256,16 +119,10 @@ int run_bench(Options& options, Devices& devices, const KnobPanel& panel) {
   if (!options.knobs.empty()) knobs = Knobs::start(options.knobs, panel);
   if (!knobs) return report(knobs.error());
 
-  bench.camera.address = options.camera.address;
-  if (options.camera_kind == "v4l2") {
-    bench.camera.kind = "v4l2";
-    bench.camera.address = options.video.folder / "video0";
-  }
   const std::filesystem::path file = folder.path() / "bench.json";
-  if (!(std::ofstream(file) << to_json(bench) << std::flush))
+  if (!(std::ofstream(file) << to_json(*bench) << std::flush))
     return report({"cannot be written", file.string(), "check the space there"});
   setenv("LUMIFIELD_BENCH", file.c_str(), 1);
-  if (devices.usb) UsbBus::preload();
   return run_command(options.command, handled);
 }
 
@@ -285,8 +142,9 @@ int parse_and_run(int argc, char** argv) {
   app.add_option("--lamp", world.lamp, "what is measured")->check(of({"bike", "headlight", "led-array"}));
   app.add_option("--filter", options.filter, "BASIS:SPACING_MM:WINDOW of the slide");
   app.add_option("--seed", world.seed, "of the noise");
-  app.add_option("--camera", options.camera_kind, "how it is reached: GigE Vision, or V4L2 on a FUSE file")
-      ->check(of({"gige", "v4l2"}));
+  app.add_option("--camera", options.camera_kind,
+                 "how it is reached: GigE Vision, USB3 Vision on a virtual bus, or V4L2 on a FUSE file")
+      ->check(of({"gige", "usb3", "v4l2"}));
   app.add_option("--address", options.camera.address, "the GigE camera's, of an interface of this machine");
   app.add_option("--stage", options.stage_kind,
                  "GRBL on a terminal, or Thorlabs on USB: a pair of units, or a rack's bays")
@@ -295,7 +153,8 @@ int parse_and_run(int argc, char** argv) {
                  "where the GRBL stage's terminal is linked; else a temporary path");
   app.add_option("--knobs", options.knobs, "Unix socket that takes lines `NAME VALUE` and `get NAME`");
   app.add_option("--set", options.set, "NAME=VALUE of a knob from the start; may be repeated")->allow_extra_args(false);
-  app.add_option("--loss", options.camera.lost_packet_ratio, "share of stream packets lost")->check(CLI::Range(0., 1.));
+  app.add_option("--loss", options.camera.lost_packet_ratio, "share of GigE Vision packets lost")
+      ->check(CLI::Range(0., 1.));
   app.add_option("--carries", options.carries, "what the stage moves")->check(of({"slide", "lamp"}));
   app.add_option("--change", options.change, "who changes the pass; by the operator: knob slide, at first 1")
       ->check(of({"stage", "operator"}));
@@ -338,7 +197,7 @@ int parse_and_run(int argc, char** argv) {
   if (const Status filter = apply_filter(options.filter, world); !filter) return report(filter.error(), 2);
   if (const Status size = apply_size(options.size, world); !size) return report(size.error(), 2);
   if (format->empty() && world.lamp == "led-array") world.pixel_format = "BayerRG12";
-  if (!*truth) return run_bench(options, devices, panel);
+  if (!*truth) return run_bench(options, devices, panel, argv);
   const Status written = write_truth(world, options.projected, options.points, options.out, options.grid);
   return written ? 0 : report(written.error());
 }

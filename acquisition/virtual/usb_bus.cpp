@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <dlfcn.h>
 #include <umockdev.h>
+#include <unistd.h>
 
 namespace lumifield::virtual_bench {
 
@@ -23,6 +24,7 @@ Result<std::unique_ptr<UsbBus>> UsbBus::create() {
   void* const found = dlopen(library, RTLD_LAZY | RTLD_LOCAL);
   if (found == nullptr) return fail("is missing: there can be no virtual USB", library, "install umockdev");
   dlclose(found);
+  if (!is_entered()) return fail("does not stand before this program: there can be no virtual USB", library, {});
   std::unique_ptr<UsbBus> bus(new UsbBus(umockdev_testbed_new()));
   const std::filesystem::path system = bus->root() / "sys/devices/system";
   std::error_code fault;
@@ -34,14 +36,18 @@ Result<std::unique_ptr<UsbBus>> UsbBus::create() {
 
 UsbBus::~UsbBus() { g_object_unref(testbed_); }
 
-void UsbBus::preload() {
+void UsbBus::enter(char** argv) {
+  constexpr const char* entering = "LUMIFIELD_ENTERS_USB_BUS";
+  if (is_entered() || getenv(entering) != nullptr) return;
+  setenv(entering, "1", 1);
   put_before("LD_PRELOAD", library);
 #ifdef __SANITIZE_ADDRESS__
   put_before("ASAN_OPTIONS", "verify_asan_link_order=0");  // whose runtime is no longer the first library
 #endif
+  execv("/proc/self/exe", argv);
 }
 
-bool UsbBus::is_preloaded() {
+bool UsbBus::is_entered() {
   void* const found = dlopen(library, RTLD_LAZY | RTLD_NOLOAD);
   if (found != nullptr) dlclose(found);
   return found != nullptr;

@@ -10,23 +10,23 @@ typedef struct _UMockdevTestbed UMockdevTestbed;
 
 namespace lumifield::virtual_bench {
 
-/// A USB bus that programs started from here see instead of this machine's, if they are started after preload(): a
-/// library stands before their system calls (umockdev), and their libusb finds the devices of this process. /sys is the
-/// bus's alone; what others look for there, the processors and memories of /sys/devices/system, is linked into it.
+/// A USB bus that this program and those started from it see instead of this machine's: a library stands before their
+/// system calls (umockdev), and their libusb finds the devices of this process. /sys is the bus's alone; what others
+/// look for there, the processors and memories of /sys/devices/system, is linked into it.
 ///
 /// A program whose bus is gone is ended by that library: keep it for as long as such programs run. One per process.
 class UsbBus {
  public:
-  /// Errors: umockdev's library is missing.
+  /// Errors: umockdev's library is missing, or enter() was not called.
   static Result<std::unique_ptr<UsbBus>> create();
   ~UsbBus();
   UsbBus(const UsbBus&) = delete;
   UsbBus& operator=(const UsbBus&) = delete;
 
-  /// Makes programs started from here see this bus.
-  static void preload();
-  /// Whether this program was so started.
-  static bool is_preloaded();
+  /// Starts this program again before that library, unless it was: to be called first of all. Returns where it was, or
+  /// cannot be.
+  static void enter(char** argv);
+  static bool is_entered();
 
   UMockdevTestbed* testbed() const { return testbed_; }
   /// Where the programs' /sys and /dev are.

@@ -10,6 +10,7 @@
 #include "acquisition/stage.h"
 #include "acquisition/virtual/apt_controller.h"
 #include "luminaire/bench.h"
+#include "tests/support/usb_bus.h"
 
 namespace lumifield {
 
@@ -18,11 +19,8 @@ class AptDouble {
  public:
   using Kind = virtual_bench::AptOptions::Kind;
 
-  static bool can_run() { return virtual_bench::UsbBus::is_preloaded(); }
-  static constexpr const char* why_not = "the program could not be started before umockdev's library: install umockdev";
-
   explicit AptDouble(virtual_bench::AptOptions options = {}) : options_(options) {
-    auto started = virtual_bench::AptController::start(bus(), options, [this](const Vec2& at) {
+    auto started = virtual_bench::AptController::start(test::usb_bus(), options, [this](const Vec2& at) {
       const std::scoped_lock lock(mutex_);
       prepared_.push_back(at);
     });
@@ -30,11 +28,6 @@ class AptDouble {
     server_ = std::move(*started);
   }
 
-  static virtual_bench::UsbBus& bus() {
-    static const Result<std::unique_ptr<virtual_bench::UsbBus>> bus = virtual_bench::UsbBus::create();
-    EXPECT_TRUE(bus) << bus.error().message();
-    return **bus;
-  }
   virtual_bench::AptController& server() { return *server_; }
   std::vector<Vec2> prepared() const {
     const std::scoped_lock lock(mutex_);
@@ -81,7 +74,7 @@ class AptStageTest : public testing::TestWithParam<AptDouble::Kind> {
     return result ? "no error" : result.error().message();
   }
   void SetUp() override {
-    if (!AptDouble::can_run()) GTEST_SKIP() << AptDouble::why_not;
+    if (!test::can_have_usb_bus()) GTEST_SKIP() << test::why_no_usb_bus;
     options_.kind = GetParam();
     options_.power_up_mm = {3, 2};
   }

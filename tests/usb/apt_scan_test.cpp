@@ -81,7 +81,7 @@ class Operator final : public ScanSink {
 };
 
 TEST(ScanOnAptStage, UnpluggedOnTheWayItPausesAndGoesOnAtTheOperatorsWord) {
-  if (!AptDouble::can_run()) GTEST_SKIP() << AptDouble::why_not;
+  if (!test::can_have_usb_bus()) GTEST_SKIP() << test::why_no_usb_bus;
   virtual_bench::AptOptions options;
   options.rapid_mm_s = 100;
   AptDouble controllers(options);

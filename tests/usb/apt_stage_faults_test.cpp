@@ -168,7 +168,7 @@ TEST_P(AptStageFaults, OneProgramAtATime) {
 TEST_P(AptStageFaults, WithoutPermissionTheRuleThatGivesItIsNamed) {
   const AptDouble controllers(options_);
   namespace fs = std::filesystem;
-  for (const auto& node : fs::directory_iterator(AptDouble::bus().root() / "dev/bus/usb/001"))
+  for (const auto& node : fs::directory_iterator(test::usb_bus().root() / "dev/bus/usb/001"))
     fs::permissions(node, fs::perms::none);
   const OrdinaryUser user;
   const auto refused = open_stage(controllers.settings());

@@ -1,11 +1,11 @@
-#include "acquisition/virtual/gige_processing.h"
+#include "acquisition/virtual/genicam_processing.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace lumifield::virtual_bench {
 
-void GigeProcessing::apply(std::span<std::uint16_t> dn, int width_px, int bits, std::uint64_t frame) const {
+void GenicamProcessing::apply(std::span<std::uint16_t> dn, int width_px, int bits, std::uint64_t frame) const {
   if (mirrored_x != mirrored_y)
     for (std::size_t row = 0; row < dn.size(); row += std::size_t(width_px))
       std::ranges::reverse(dn.subspan(row, std::size_t(width_px)));

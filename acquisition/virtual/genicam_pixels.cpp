@@ -1,4 +1,4 @@
-#include "acquisition/virtual/gige_pixels.h"
+#include "acquisition/virtual/genicam_pixels.h"
 
 #include <algorithm>
 #include <map>
@@ -6,10 +6,10 @@
 namespace lumifield::virtual_bench {
 namespace {
 
-using Packing = GigePixelFormat::Packing;
+using Packing = GenicamPixelFormat::Packing;
 
 // The codes as the convention lists them.
-const std::map<std::string, GigePixelFormat> formats = {
+const std::map<std::string, GenicamPixelFormat> formats = {
     {"Mono8", {0x01080001, 8, Packing::bytes}},           {"Mono10", {0x01100003, 10, Packing::words}},
     {"Mono10Packed", {0x010c0004, 10, Packing::gige}},    {"Mono10p", {0x010a0046, 10, Packing::lsb_first}},
     {"Mono12", {0x01100005, 12, Packing::words}},         {"Mono12Packed", {0x010c0006, 12, Packing::gige}},
@@ -35,12 +35,12 @@ const std::map<std::string, GigePixelFormat> formats = {
 
 }  // namespace
 
-std::optional<GigePixelFormat> gige_pixel_format(const std::string& name) {
+std::optional<GenicamPixelFormat> genicam_pixel_format(const std::string& name) {
   const auto found = formats.find(name);
   return found == formats.end() ? std::nullopt : std::optional(found->second);
 }
 
-void pack(std::span<const std::uint16_t> dn, const GigePixelFormat& format, std::span<std::uint8_t> out) {
+void pack(std::span<const std::uint16_t> dn, const GenicamPixelFormat& format, std::span<std::uint8_t> out) {
   std::ranges::fill(out, std::uint8_t{0});
   const int high = format.bits - 8;  // bits of a group's middle byte, per photosite
   for (std::size_t i = 0; i < dn.size(); ++i) {

@@ -8,7 +8,7 @@ namespace lumifield::virtual_bench {
 
 /// What a camera does to the sensor's values before it sends them, as cameras come from the factory, or from another
 /// program. Value type.
-struct GigeProcessing {
+struct GenicamProcessing {
   bool mirrored_x = false, mirrored_y = false;
   double gain_db = 0;          ///< digital, after the sensor's
   double red = 1, blue = 1;    ///< factors of an RGGB pattern's photosites, on those of mono sensors too
@@ -17,8 +17,8 @@ struct GigeProcessing {
   bool white_balance = false;  ///< every other value of every other row up by a quarter
   bool black_level = false;    ///< up by the number of the frame, 1 … 7
 
-  bool operator==(const GigeProcessing&) const = default;
-  bool changes() const { return *this != GigeProcessing{}; }
+  bool operator==(const GenicamProcessing&) const = default;
+  bool changes() const { return *this != GenicamProcessing{}; }
   void apply(std::span<std::uint16_t> dn, int width_px, int bits, std::uint64_t frame) const;
 };
 

@@ -1,8 +1,8 @@
-#include "acquisition/virtual/gige_description.h"
+#include "acquisition/virtual/genicam_description.h"
 
 #include <sstream>
 
-#include "acquisition/virtual/gige_pixels.h"
+#include "acquisition/virtual/genicam_pixels.h"
 
 namespace lumifield::virtual_bench {
 
@@ -17,8 +17,8 @@ void replace_all(std::string& text, const std::string& what, const std::string& 
 
 }  // namespace
 
-std::string gige_description(const std::string& pixel_format, const std::map<std::string, double>& stuck) {
-  const GigePixelFormat format = gige_pixel_format(pixel_format).value();
+std::string genicam_description(const std::string& pixel_format, const std::map<std::string, double>& stuck) {
+  const GenicamPixelFormat format = genicam_pixel_format(pixel_format).value();
   std::string xml = virtual_camera_xml;
   replace_all(xml, "PIXEL_FORMAT_NAME", pixel_format);
   replace_all(xml, "PIXEL_FORMAT_CODE", std::to_string(format.code));
@@ -32,6 +32,16 @@ std::string gige_description(const std::string& pixel_format, const std::map<std
     xml.insert(xml.rfind("  <Port "), "  <" + tag + " Name=\"" + name + "\" NameSpace=\"Custom\"><FormulaTo>" +
                                           number.str() + "</FormulaTo><FormulaFrom>TO</FormulaFrom><pValue>" + kept +
                                           "</pValue></" + tag + ">\n");
+  }
+  return xml;
+}
+
+std::string move_registers(std::string xml, std::uint32_t by) {
+  const std::string begin = "<Address>", end = "</Address>";
+  for (std::size_t at = xml.find(begin); at != std::string::npos; at = xml.find(begin, at)) {
+    at += begin.size();
+    const std::size_t length = xml.find(end, at) - at;
+    xml.replace(at, length, std::to_string(std::stoul(xml.substr(at, length), nullptr, 16) + by));
   }
   return xml;
 }

@@ -1,0 +1,243 @@
+// The production camera, with Aravis' own USB3 Vision, on a virtual one.
+#include <algorithm>
+#include <arv.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/camera_test.h"
+#include "tests/support/usb3_double.h"
+
+namespace lumifield {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class Usb3CameraTest : public test::CameraTest {
+ protected:
+  void SetUp() override {
+    if (!test::can_have_usb_bus()) GTEST_SKIP() << test::why_no_usb_bus;
+  }
+  static Usb3Double::Options small() { return {.genicam = {.serial = "D1", .width_px = 64, .height_px = 48}}; }
+  static std::vector<DeviceReport> found() {
+    std::vector<DeviceReport> reports = find_cameras();
+    std::erase_if(reports, [](const DeviceReport& report) { return report.name != "Lumifield Virtual D1"; });
+    return reports;
+  }
+};
+
+TEST_F(Usb3CameraTest, IsListedAndOpenedBySerialNumberAndById) {
+  Usb3Double double_;
+  const std::vector<DeviceReport> listed = found();
+  ASSERT_EQ(listed.size(), 1U);
+  EXPECT_TRUE(listed[0].usable) << listed[0].reason;
+  CameraSettings settings = double_.settings();
+  EXPECT_EQ(probe_camera(settings).address, listed[0].address);
+  for (const std::string& name : {std::string("D1"), listed[0].address}) {
+    settings.address = name;
+    const auto camera = open(settings);
+    ASSERT_NE(camera, nullptr);
+    EXPECT_EQ(camera->info().vendor, "Lumifield");
+    EXPECT_EQ(camera->info().model, "Virtual");
+    EXPECT_EQ(camera->info().serial, "D1");
+    EXPECT_EQ(camera->info().address, listed[0].address);
+    EXPECT_EQ(camera->info().sensor_width_px, 64);
+    EXPECT_EQ(camera->info().sensor_height_px, 48);
+  }
+}
+
+TEST_F(Usb3CameraTest, FramesAreBitExactInEveryFormat) {
+  const struct {
+    const char* name;
+    int bits;
+    SensorPattern pattern;
+  } formats[] = {{"Mono8", 8, SensorPattern::mono},      {"Mono10p", 10, SensorPattern::mono},
+                 {"Mono12", 12, SensorPattern::mono},    {"Mono12p", 12, SensorPattern::mono},
+                 {"Mono16", 16, SensorPattern::mono},    {"BayerRG8", 8, SensorPattern::rggb},
+                 {"BayerRG12", 12, SensorPattern::rggb}, {"BayerRG12p", 12, SensorPattern::rggb}};
+  for (const auto& format : formats) {
+    SCOPED_TRACE(format.name);
+    Usb3Double::Options options = small();
+    options.genicam.pixel_format = format.name;
+    Usb3Double double_(options);
+    CameraSettings settings = double_.settings();
+    settings.gain = 3.5;
+    const auto camera = open(settings);
+    ASSERT_NE(camera, nullptr);
+    const Result<RawImage> image = camera->expose(0.0013);
+    ASSERT_TRUE(image) << image.error().message();
+    EXPECT_EQ(image->bits, format.bits);
+    EXPECT_EQ(image->pattern, format.pattern);
+    EXPECT_EQ(image->gain, 3.5);
+    EXPECT_EQ(double_.wrong(*image, 0.0013, 3.5), 0);
+  }
+}
+
+TEST_F(Usb3CameraTest, FramesOfSeveralTransfersAreBitExact) {
+  // More than the 1 MiB that Aravis fetches at once: by what is left over, and without a remainder.
+  for (const auto& [width, height] : {std::pair(1024, 768), {1024, 1024}}) {
+    Usb3Double::Options options = small();
+    options.genicam.width_px = width, options.genicam.height_px = height;
+    Usb3Double double_(options);
+    const auto camera = open(double_.settings());
+    ASSERT_NE(camera, nullptr);
+    for (int k = 0; k < 5; ++k) {
+      const Result<RawImage> image = camera->expose(0.002);
+      ASSERT_TRUE(image) << image.error().message();
+      EXPECT_EQ(double_.wrong(*image, 0.002, 0), 0);
+    }
+    EXPECT_EQ(camera->frames_retaken(), 0);
+  }
+}
+
+TEST_F(Usb3CameraTest, WhatSpoilsFramesIsSwitchedOffOrTheCameraRefused) {
+  Usb3Double::Options options = small();
+  options.genicam.automatics = true;
+  {
+    Usb3Double double_(options);
+    const auto camera = open(double_.settings());
+    ASSERT_NE(camera, nullptr);
+    const Result<RawImage> image = camera->expose(0.003);
+    ASSERT_TRUE(image) << image.error().message();
+    EXPECT_EQ(double_.wrong(*image, 0.003, 0), 0);
+  }
+  options.genicam.stuck = {"GainAuto"};
+  EXPECT_THAT(refusal(Usb3Double(options).settings()),
+              HasSubstr("changes its gain by itself: GainAuto stays Continuous"));
+}
+
+TEST_F(Usb3CameraTest, TheWholeRegionIsSetAndReadBackWhateverAnotherProgramLeft) {
+  Usb3Double double_;
+  {
+    ASSERT_EQ(found().size(), 1U);
+    ArvCamera* const other = arv_camera_new(found()[0].address.c_str(), nullptr);
+    ASSERT_NE(other, nullptr);
+    arv_camera_set_region(other, 16, 8, 32, 24, nullptr);
+    int width = 0;
+    arv_camera_get_region(other, nullptr, nullptr, &width, nullptr, nullptr);
+    EXPECT_EQ(width, 32);
+    g_object_unref(other);
+  }
+  const auto camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  const Result<RawImage> image = camera->expose(0.001);
+  ASSERT_TRUE(image) << image.error().message();
+  EXPECT_EQ(image->width_px, 64);
+  EXPECT_EQ(double_.wrong(*image, 0.001, 0), 0);
+}
+
+TEST_F(Usb3CameraTest, FramesAreNewerThanTheirTrigger) {
+  Usb3Double double_;
+  const auto camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  for (int k = 0; k < 200; ++k) {
+    double_.x = k;
+    const double exposure_s = 0.001 + 0.0001 * (k % 4);
+    const Result<RawImage> image = camera->expose(exposure_s);
+    ASSERT_TRUE(image) << image.error().message();
+    ASSERT_EQ(double_.wrong(*image, exposure_s, 0), 0) << k;
+  }
+}
+
+TEST_F(Usb3CameraTest, AFrameGivenUpIsNoAnswerToALaterTrigger) {
+  Usb3Double double_;
+  const auto camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  double_.ready_after_ms = 1500;
+  EXPECT_THAT(refusal(*camera, 0.001), HasSubstr("though the camera answers"));
+  double_.ready_after_ms = 0;
+  double_.x = 2;
+  for (int frames = 0, tries = 0; frames < 3; ++tries) {
+    ASSERT_LT(tries, 50);
+    const Result<RawImage> image = camera->expose(0.001);
+    if (!image) continue;  // still busy with what it was asked before
+    ASSERT_EQ(double_.wrong(*image, 0.001, 0), 0) << "of the place that was left";
+    ++frames;
+  }
+}
+
+TEST_F(Usb3CameraTest, FramesThatComeShortAreTakenAgain) {
+  Usb3Double::Options options = small();
+  options.cut_every = 3;
+  Usb3Double double_(options);
+  const auto camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  for (int k = 0; k < 10; ++k) {
+    const Result<RawImage> image = camera->expose(0.001);
+    ASSERT_TRUE(image) << image.error().message();
+    EXPECT_EQ(double_.wrong(*image, 0.001, 0), 0);
+  }
+  EXPECT_GT(camera->frames_retaken(), 0);
+}
+
+TEST_F(Usb3CameraTest, WhenNoWholeFrameComesTheRemedyIsOneForUsb) {
+  Usb3Double::Options options = small();
+  options.cut_every = 1;
+  Usb3Double double_(options);
+  const auto camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  const auto for_usb = AllOf(HasSubstr("cable"), testing::Not(HasSubstr("network")), testing::Not(HasSubstr("packet")));
+  EXPECT_THAT(refusal(*camera, 0.001), AllOf(HasSubstr("6 incomplete frames in a row"), for_usb));
+  double_.server().freeze(true);
+  EXPECT_THAT(refusal(*camera, 0.001), AllOf(HasSubstr("twice, though the camera answers"), for_usb));
+}
+
+TEST_F(Usb3CameraTest, BrokenFramesAreToldWithARemedyForUsb) {
+  Usb3Double::Options options = small();
+  options.cut_every = 2;
+  Usb3Double double_(options);
+  const DeviceReport report = try_camera(double_.settings(), 3, 0.001);
+  EXPECT_TRUE(report.usable);
+  EXPECT_THAT(report.reason, HasSubstr("frames came broken"));
+  EXPECT_THAT(report.remedy, AllOf(HasSubstr("off its bus"), testing::Not(HasSubstr("net"))));
+}
+
+TEST_F(Usb3CameraTest, UnpluggedItIsGoneUntilItIsOpenedAgain) {
+  Usb3Double double_;
+  auto camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  ASSERT_TRUE(camera->expose(0.001));
+  double_.server().unplug();
+  for (int k = 0; k < 2; ++k) EXPECT_THAT(refusal(*camera, 0.001), HasSubstr("camera gone"));
+  EXPECT_THAT(refusal(double_.settings()), HasSubstr("no camera answers"));
+  ASSERT_TRUE(double_.server().plug());
+  EXPECT_THAT(refusal(*camera, 0.001), HasSubstr("camera gone")) << "another device than was opened";
+  camera.reset();
+  camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  const Result<RawImage> image = camera->expose(0.002);
+  ASSERT_TRUE(image) << image.error().message();
+  EXPECT_EQ(double_.wrong(*image, 0.002, 0), 0);
+}
+
+TEST_F(Usb3CameraTest, UnpluggedInAnExposureItIsGone) {
+  Usb3Double double_;
+  const auto camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  ASSERT_TRUE(camera->expose(0.001));
+  const std::jthread hand([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    double_.server().unplug();
+  });
+  EXPECT_THAT(refusal(*camera, 2), HasSubstr("camera gone"));
+}
+
+TEST_F(Usb3CameraTest, OneProgramAtATime) {
+  Usb3Double double_;
+  const auto camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  EXPECT_THAT(refusal(double_.settings()), HasSubstr("held by another program"));
+  EXPECT_TRUE(camera->expose(0.001));
+}
+
+TEST_F(Usb3CameraTest, AnIdThatNoCameraHasIsRefused) {
+  Usb3Double double_;
+  CameraSettings settings = double_.settings();
+  settings.address = "Lumifield-Virtual-D2";
+  EXPECT_EQ(refusal(settings),
+            "camera Lumifield-Virtual-D2: no camera answers; check cable, power and address; "
+            "`lumifield devices` lists what answers");
+}
+
+}  // namespace
+}  // namespace lumifield
