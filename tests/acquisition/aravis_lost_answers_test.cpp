@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "acquisition/cameras/aravis_camera.h"
+#include "acquisition/virtual/genicam_registers.h"
 #include "acquisition/virtual/gige_camera.h"
-#include "acquisition/virtual/gige_registers.h"
 #include "tests/support/camera_test.h"
 #include "tests/support/own_network.h"
 
