@@ -3,9 +3,11 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
-#include <linux/ioctl.h>
+#include <linux/usbdevice_fs.h>
 #include <mutex>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
+#include <umockdev.h>
 
 #include "acquisition/virtual/usb_node.h"
 

@@ -5,10 +5,18 @@
 #include <cstring>
 #include <fcntl.h>
 #include <linux/usb/ch9.h>
+#include <linux/usbdevice_fs.h>
 #include <sys/ioctl.h>
+#include <umockdev.h>
 #include <unistd.h>
 
 namespace lumifield::virtual_bench {
+
+void UnrefIoctlData::operator()(UMockdevIoctlData* data) const { g_object_unref(data); }
+
+usbdevfs_urb& UsbNode::Urb::head() const { return *reinterpret_cast<usbdevfs_urb*>(block->data); }
+std::size_t UsbNode::Urb::length() const { return static_cast<std::size_t>(head().buffer_length); }
+std::uint8_t* UsbNode::Urb::bytes() const { return buffer ? buffer->data : nullptr; }
 
 UsbNode::UsbNode(const UsbDescription& description, UsbFunction& function, int fifo)
     : description_(description), function_(function), fifo_(fifo), has_driver_(!description.kernel_driver.empty()) {

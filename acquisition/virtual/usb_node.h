@@ -1,17 +1,19 @@
 #pragma once
 
 #include <deque>
-#include <linux/usbdevice_fs.h>
 #include <map>
 #include <memory>
-#include <umockdev.h>
 
 #include "acquisition/virtual/usb_device.h"
+
+typedef struct _UMockdevIoctlClient UMockdevIoctlClient;
+typedef struct _UMockdevIoctlData UMockdevIoctlData;
+struct usbdevfs_urb;
 
 namespace lumifield::virtual_bench {
 
 struct UnrefIoctlData {
-  void operator()(UMockdevIoctlData* data) const { g_object_unref(data); }
+  void operator()(UMockdevIoctlData* data) const;
 };
 using IoctlData = std::unique_ptr<UMockdevIoctlData, UnrefIoctlData>;
 
@@ -42,9 +44,9 @@ class UsbNode {
     Client* client;
     IoctlData block, buffer;
     UsbFunction::Clock::time_point asked;
-    usbdevfs_urb& head() const { return *reinterpret_cast<usbdevfs_urb*>(block->data); }
-    std::size_t length() const { return static_cast<std::size_t>(head().buffer_length); }
-    std::uint8_t* bytes() const { return buffer ? buffer->data : nullptr; }
+    usbdevfs_urb& head() const;
+    std::size_t length() const;
+    std::uint8_t* bytes() const;
   };
   void show();
   void finish(Urb urb, std::size_t bytes, int status);
