@@ -101,6 +101,7 @@ Status check_dark_set(const std::shared_ptr<const DarkSet>& dark, const Bench& b
 
 SensorPattern pattern_of(std::string_view pixel_format) {
   if (pixel_format.starts_with("BayerRG")) return SensorPattern::rggb;
+  if (pixel_format == "RGB8" || pixel_format == "BGR8") return SensorPattern::rggb;
   if (pixel_format.starts_with("BayerGR")) return SensorPattern::grbg;
   if (pixel_format.starts_with("BayerGB")) return SensorPattern::gbrg;
   if (pixel_format.starts_with("BayerBG")) return SensorPattern::bggr;

@@ -13,7 +13,8 @@ namespace lumifield {
 
 /// Everything that must hold before a number is made. Each refusal names the thing at fault. Pure.
 
-/// Pattern of a GenICam pixel format: Bayer formats by their two letters, all else mono.
+/// Pattern of a GenICam pixel format: Bayer formats by their two letters, RGGB of those with three colours a pixel, of
+/// which one is taken (acquisition/cameras/pixel_layout.h), all else mono.
 SensorPattern pattern_of(std::string_view pixel_format);
 
 /// Sensor, camera model, planes, sizes and passes: finite, positive, within memory.

@@ -49,9 +49,9 @@ Status Applying::pixel_format() {
   }
   if (fault) return refused(settings, "a question for its pixel formats", fault);
   const std::string remedy = usable.empty() ? "use a camera that gives its photosites" : "choose one of " + usable;
-  for (const char* family : {"RGB", "BGR", "YUV", "YCbCr"})
+  for (const char* family : {"YUV", "YCbCr"})
     if (wanted.starts_with(family))
-      return error("gives in \"" + wanted + "\" colours made up from neighbouring photosites: no measurement", remedy);
+      return error("gives in \"" + wanted + "\" sums of colours for screens: no measurement", remedy);
   if (!is_offered) return error("does not offer the pixel format \"" + wanted + "\"", remedy);
 
   arv_camera_set_pixel_format_from_string(camera, wanted.c_str(), fault.out());

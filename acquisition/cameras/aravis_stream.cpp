@@ -84,7 +84,7 @@ std::optional<RawImage> AravisStream::image_of(ArvBuffer* buffer) const {
   image.height_px = applied_.height_px;
   image.bits = applied_.layout.bits;
   image.pattern = applied_.layout.pattern;
-  image.dn = unpack({bytes, size}, static_cast<std::size_t>(applied_.width_px) * applied_.height_px, applied_.layout);
+  image.dn = unpack({bytes, size}, applied_.width_px, applied_.height_px, applied_.layout);
   image.gain = applied_.gain_db;
   image.frame_id = arv_buffer_get_frame_id(buffer);
   return image;

@@ -51,6 +51,15 @@ void unpack_bits(std::span<const std::uint8_t> bytes, int bits, std::vector<std:
   }
 }
 
+/// Even rows R G R G …, odd ones G B G B ….
+void pick_colours(std::span<const std::uint8_t> bytes, bool red_first, std::size_t width,
+                  std::vector<std::uint16_t>& dn) {
+  for (std::size_t i = 0; i < dn.size(); ++i) {
+    const std::size_t colour = i % width % 2 + i / width % 2;
+    dn[i] = bytes[3 * i + (red_first ? colour : 2 - colour)];
+  }
+}
+
 }  // namespace
 
 std::size_t PixelLayout::bits_per_pixel() const {
@@ -59,6 +68,9 @@ std::size_t PixelLayout::bits_per_pixel() const {
       return 12;
     case Packing::lsb_first:
       return static_cast<std::size_t>(bits);
+    case Packing::rgb:
+    case Packing::bgr:
+      return 24;
     case Packing::whole_bytes:
       break;
   }
@@ -75,10 +87,14 @@ std::optional<PixelLayout> pixel_layout(std::string_view genicam_name) {
     for (const Depth& depth : depths)
       if (genicam_name.starts_with(family) && genicam_name.substr(family.size()) == depth.name)
         return PixelLayout{depth.bits, pattern, depth.packing};
+  if (genicam_name == "RGB8") return PixelLayout{8, SensorPattern::rggb, Packing::rgb};
+  if (genicam_name == "BGR8") return PixelLayout{8, SensorPattern::rggb, Packing::bgr};
   return std::nullopt;
 }
 
-std::vector<std::uint16_t> unpack(std::span<const std::uint8_t> bytes, std::size_t pixels, const PixelLayout& layout) {
+std::vector<std::uint16_t> unpack(std::span<const std::uint8_t> bytes, int width_px, int height_px,
+                                  const PixelLayout& layout) {
+  const std::size_t width = static_cast<std::size_t>(width_px), pixels = width * static_cast<std::size_t>(height_px);
   assert(bytes.size() >= layout.frame_bytes(pixels));
   std::vector<std::uint16_t> dn(pixels);
   switch (layout.packing) {
@@ -90,6 +106,10 @@ std::vector<std::uint16_t> unpack(std::span<const std::uint8_t> bytes, std::size
       break;
     case Packing::lsb_first:
       unpack_bits(bytes, layout.bits, dn);
+      break;
+    case Packing::rgb:
+    case Packing::bgr:
+      pick_colours(bytes, layout.packing == Packing::rgb, width, dn);
       break;
   }
   return dn;

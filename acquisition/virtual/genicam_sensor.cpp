@@ -158,7 +158,7 @@ void GenicamSensor::read_out(Exposure exposure, int width, int height, std::span
   std::vector<std::uint16_t> dn = photosites(exposure, width, height);
   const std::uint64_t frame = ++frames_;
   if (const GenicamProcessing now = processing(); now.changes()) now.apply(dn, width, format_.bits, frame);
-  pack(dn, format_, bytes.first(format_.bytes_of(dn.size())));
+  pack(dn, width, format_, bytes.first(format_.bytes_of(dn.size())));
 }
 
 }  // namespace lumifield::virtual_bench

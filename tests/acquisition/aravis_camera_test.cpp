@@ -210,8 +210,8 @@ TEST_F(AravisCamera, RefusesWhatTheCameraDoesNotTake) {
   EXPECT_THAT(refusal(settings("Mono12")),
               testing::AllOf(HasSubstr("\"Mono12\""), HasSubstr("Mono8"), HasSubstr("Mono16")));
   EXPECT_THAT(
-      refusal(settings("RGB8")),
-      testing::AllOf(HasSubstr("\"RGB8\" colours made up from neighbouring photosites"), HasSubstr("BayerRG8")));
+      refusal(settings("YUV422_8")),
+      testing::AllOf(HasSubstr("\"YUV422_8\" sums of colours for screens: no measurement"), HasSubstr("BayerRG8")));
   CameraSettings loud = settings();
   loud.gain = 11;
   EXPECT_THAT(refusal(loud), HasSubstr("from 0 to 10 dB"));

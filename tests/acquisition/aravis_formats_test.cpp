@@ -81,6 +81,10 @@ TEST_F(AravisFormats, FramesAreBitExactInEachOfThem) {
     }
   serve({.pixel_format = "Mono14"});
   expect_exact("Mono14", 14, SensorPattern::mono);
+  for (const char* format : {"RGB8", "BGR8"}) {
+    serve({.pixel_format = format});
+    expect_exact(format, 8, SensorPattern::rggb);
+  }
 }
 
 TEST_F(AravisFormats, SwitchesAllAutomaticsOff) {

@@ -418,7 +418,7 @@ TEST_F(GigeCameraTest, SaysThatTheAddressIsHeld) {
 TEST_F(GigeCameraTest, RefusesWhatCannotBe) {
   EXPECT_FALSE(GigeCamera::start({.address = "no address"}, world_.sight()));
   EXPECT_FALSE(GigeCamera::start({.address = "203.0.113.7"}, world_.sight()));
-  EXPECT_FALSE(GigeCamera::start({.pixel_format = "RGB8"}, world_.sight()));
+  EXPECT_FALSE(GigeCamera::start({.pixel_format = "RGB10"}, world_.sight()));
   EXPECT_FALSE(GigeCamera::start({.serial = "0123456789abcdef"}, world_.sight()));
 }
 
