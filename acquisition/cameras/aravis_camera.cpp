@@ -1,5 +1,6 @@
 #include "acquisition/cameras/aravis_camera.h"
 
+#include <algorithm>
 #include <arv.h>
 #include <atomic>
 #include <chrono>
@@ -19,7 +20,12 @@ namespace {
 constexpr double watchdog_s = 0.3;
 constexpr int incomplete_limit = 5;
 constexpr double us_per_s = 1e6;
-constexpr double repeat_s = 0.4;  // Aravis 0.8 sends a GigE Vision command again when its answer is 0.5 s late
+
+// Aravis 0.8 sends a command again when its answer is late: by 0.5 s on GigE Vision, on USB3 Vision by what the camera
+// says that it may take, 5 ms at least (USB3 Vision 1.0, bootstrap register "Maximum Device Response Time"). Somewhat
+// less here, as a trigger that is taken for repeated costs little.
+constexpr double gige_repeat_s = 0.4, least_usb_repeat_s = 4e-3, usb_repeat_s_per_ms = 0.8e-3;
+constexpr guint64 usb_response_time_address = 0x1cc;
 
 struct Unref {
   void operator()(gpointer object) const { g_object_unref(object); }
@@ -41,6 +47,7 @@ class AravisCamera final : public Camera {
  private:
   Status apply_exposure(double exposure_s);
   Status set_packets();
+  Status ask_response_time();
   Status start_stream();
   Status pass_over_late_frames();
   Status check_alive();
@@ -68,6 +75,7 @@ class AravisCamera final : public Camera {
   AppliedSettings applied_;
   std::optional<double> asked_exposure_s_;
   double exposure_s_ = 0;
+  double repeat_s_ = gige_repeat_s;  ///< a command whose answer took that long may have been sent again
   int frames_retaken_ = 0;
   bool is_gone_ = false;
   std::atomic<bool> control_lost_ = false;  // set by Aravis' heartbeat thread
@@ -101,6 +109,7 @@ Status AravisCamera::start() {
   info_.sensor_width_px = applied_.width_px;
   info_.sensor_height_px = applied_.height_px;
   if (Status chosen = set_packets(); !chosen) return chosen;
+  if (Status timed = ask_response_time(); !timed) return timed;
   return start_stream();
 }
 
@@ -112,6 +121,17 @@ Status AravisCamera::set_packets() {
   if (settings_.packet_bytes == 0)
     info_.found =
         "\"packet_bytes\": " + std::to_string(packets->bytes) + ", \"packet_delay_us\": " + number(packets->delay_us);
+  return {};
+}
+
+Status AravisCamera::ask_response_time() {
+  ArvDevice* const device = arv_camera_get_device(camera_.get());
+  if (!ARV_IS_UV_DEVICE(device)) return {};
+  GFault fault;
+  guint32 response_ms = 0;
+  arv_device_read_memory(device, usb_response_time_address, sizeof response_ms, &response_ms, fault.out());
+  if (fault) return refused(settings_, "a question for its response time", fault);
+  repeat_s_ = std::max(least_usb_repeat_s, usb_repeat_s_per_ms * GUINT32_FROM_LE(response_ms));
   return {};
 }
 
@@ -181,7 +201,7 @@ Status AravisCamera::trigger() {
   arv_camera_software_trigger(camera_.get(), fault.out());
   if (fault) return control_failure("a software trigger", fault);
   const double spent_s = std::chrono::duration<double>(Clock::now() - begin).count();
-  const int repeats = at_.ipv4.empty() ? 0 : static_cast<int>(spent_s / repeat_s);
+  const int repeats = static_cast<int>(spent_s / repeat_s_);
   for (int sent = 0; sent <= repeats; ++sent) stream_->expect_frame();
   return {};
 }

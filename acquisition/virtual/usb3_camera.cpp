@@ -62,6 +62,7 @@ struct Usb3Camera::Impl final : UsbFunction, FrameLink {
   };
   std::deque<Transfer> transfers;
   std::size_t frames_kept = 0;
+  bool lost_last = false;  // of the answers to triggers
   std::uint64_t next_number = 0, numbered_stream = 0;
 
   UsbDevice device;
@@ -93,7 +94,9 @@ struct Usb3Camera::Impl final : UsbFunction, FrameLink {
   void take(std::uint8_t, std::span<const std::uint8_t> bytes) override {
     Bytes answer = memory.answer(bytes);
     const std::lock_guard lock(mutex);
-    if (!answer.empty()) answers.push_back(std::move(answer));
+    const bool is_lost = options.loses_trigger_answers && Usb3Memory::writes(registers::trigger_software, bytes) &&
+                         !std::exchange(lost_last, !lost_last);
+    if (!answer.empty() && !is_lost) answers.push_back(std::move(answer));
     if (!memory.stream_enabled()) drop_frames();
   }
 

@@ -20,7 +20,8 @@ class Usb3Camera final : public CameraServer {
  public:
   struct Options {
     GenicamOptions genicam = {};
-    int cut_every = 0;  ///< each so many frames comes short
+    int cut_every = 0;                   ///< each so many frames comes short
+    bool loses_trigger_answers = false;  ///< every other one, so that the host triggers again
   };
   /// Errors: pixel format unknown, serial empty or too long, those of the bus.
   static Result<std::unique_ptr<Usb3Camera>> start(UsbBus& bus, const Options& options, Sight sight);

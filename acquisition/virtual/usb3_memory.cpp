@@ -108,6 +108,11 @@ std::uint16_t Usb3Memory::write_host(std::uint64_t address, std::span<const std:
   return success;
 }
 
+bool Usb3Memory::writes(std::uint32_t address, std::span<const std::uint8_t> command) {
+  return command.size() > header_bytes + address_bytes && take_little(command.subspan(6, 2)) == write_memory &&
+         take_little(command.subspan(header_bytes, address_bytes)) == registers_begin + address;
+}
+
 std::vector<std::uint8_t> Usb3Memory::answer(std::span<const std::uint8_t> command) {
   const auto field = [&](std::size_t at, std::size_t count) { return take_little(command.subspan(at, count)); };
   if (command.size() < header_bytes || field(0, 4) != command_prefix || field(4, 2) != wants_answer) return {};

@@ -24,6 +24,8 @@ class Usb3Memory final : public RegisterMemory {
 
   /// The acknowledgement of a command; empty: it is none, or asks for none.
   std::vector<std::uint8_t> answer(std::span<const std::uint8_t> command);
+  /// Whether a command writes to a register of the description.
+  static bool writes(std::uint32_t address, std::span<const std::uint8_t> command);
 
   /// How many streams the host has set up.
   std::uint64_t streams() const;

@@ -158,6 +158,21 @@ TEST_F(Usb3CameraTest, AFrameGivenUpIsNoAnswerToALaterTrigger) {
   }
 }
 
+TEST_F(Usb3CameraTest, ATriggerSentAgainGivesNoFrameToALaterOne) {
+  Usb3Double::Options options = small();
+  options.loses_trigger_answers = true;
+  Usb3Double double_(options);
+  const auto camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  for (int k = 0; k < 8; ++k) {
+    const double exposure_s = 0.001 + 0.0001 * k;
+    const Result<RawImage> image = camera->expose(exposure_s);
+    ASSERT_TRUE(image) << image.error().message();
+    EXPECT_EQ(double_.wrong(*image, exposure_s, 0), 0) << k;
+  }
+  EXPECT_GT(double_.server().frames_sent(), 8U);
+}
+
 TEST_F(Usb3CameraTest, FramesThatComeShortAreTakenAgain) {
   Usb3Double::Options options = small();
   options.cut_every = 3;
