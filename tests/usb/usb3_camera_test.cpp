@@ -24,6 +24,11 @@ class Usb3CameraTest : public test::CameraTest {
     std::erase_if(reports, [](const DeviceReport& report) { return report.name != "Lumifield Virtual D1"; });
     return reports;
   }
+  static void expect_exact(Camera& camera, const Usb3Double& double_, double exposure_s) {
+    const Result<RawImage> image = camera.expose(exposure_s);
+    ASSERT_TRUE(image) << image.error().message();
+    EXPECT_EQ(double_.wrong(*image, exposure_s, 0), 0);
+  }
 };
 
 TEST_F(Usb3CameraTest, IsListedAndOpenedBySerialNumberAndById) {
@@ -83,11 +88,7 @@ TEST_F(Usb3CameraTest, FramesOfSeveralTransfersAreBitExact) {
     settings.readout_s = 3;  // a large picture takes the double long under a sanitizer
     const auto camera = open(settings);
     ASSERT_NE(camera, nullptr);
-    for (int k = 0; k < 5; ++k) {
-      const Result<RawImage> image = camera->expose(0.002);
-      ASSERT_TRUE(image) << image.error().message();
-      EXPECT_EQ(double_.wrong(*image, 0.002, 0), 0);
-    }
+    for (int k = 0; k < 5; ++k) expect_exact(*camera, double_, 0.002);
     EXPECT_EQ(camera->frames_retaken(), 0);
   }
 }
@@ -99,9 +100,7 @@ TEST_F(Usb3CameraTest, WhatSpoilsFramesIsSwitchedOffOrTheCameraRefused) {
     Usb3Double double_(options);
     const auto camera = open(double_.settings());
     ASSERT_NE(camera, nullptr);
-    const Result<RawImage> image = camera->expose(0.003);
-    ASSERT_TRUE(image) << image.error().message();
-    EXPECT_EQ(double_.wrong(*image, 0.003, 0), 0);
+    expect_exact(*camera, double_, 0.003);
   }
   options.genicam.stuck = {"GainAuto"};
   EXPECT_THAT(refusal(Usb3Double(options).settings()),
@@ -165,10 +164,8 @@ TEST_F(Usb3CameraTest, ATriggerSentAgainGivesNoFrameToALaterOne) {
   const auto camera = open(double_.settings());
   ASSERT_NE(camera, nullptr);
   for (int k = 0; k < 8; ++k) {
-    const double exposure_s = 0.001 + 0.0001 * k;
-    const Result<RawImage> image = camera->expose(exposure_s);
-    ASSERT_TRUE(image) << image.error().message();
-    EXPECT_EQ(double_.wrong(*image, exposure_s, 0), 0) << k;
+    SCOPED_TRACE(k);
+    expect_exact(*camera, double_, 0.001 + 0.0001 * k);
   }
   EXPECT_GT(double_.server().frames_sent(), 8U);
 }
@@ -179,11 +176,7 @@ TEST_F(Usb3CameraTest, FramesThatComeShortAreTakenAgain) {
   Usb3Double double_(options);
   const auto camera = open(double_.settings());
   ASSERT_NE(camera, nullptr);
-  for (int k = 0; k < 10; ++k) {
-    const Result<RawImage> image = camera->expose(0.001);
-    ASSERT_TRUE(image) << image.error().message();
-    EXPECT_EQ(double_.wrong(*image, 0.001, 0), 0);
-  }
+  for (int k = 0; k < 10; ++k) expect_exact(*camera, double_, 0.001);
   EXPECT_GT(camera->frames_retaken(), 0);
 }
 
@@ -222,9 +215,7 @@ TEST_F(Usb3CameraTest, UnpluggedItIsGoneUntilItIsOpenedAgain) {
   camera.reset();
   camera = open(double_.settings());
   ASSERT_NE(camera, nullptr);
-  const Result<RawImage> image = camera->expose(0.002);
-  ASSERT_TRUE(image) << image.error().message();
-  EXPECT_EQ(double_.wrong(*image, 0.002, 0), 0);
+  expect_exact(*camera, double_, 0.002);
 }
 
 TEST_F(Usb3CameraTest, UnpluggedInAnExposureItIsGone) {
