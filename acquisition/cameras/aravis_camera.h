@@ -13,9 +13,10 @@ namespace lumifield {
 ///
 /// Opening applies pixel format, binning, full region, gain, software trigger, everything automatic and every gamma off
 /// (aravis_automatics.h), and reads them back; then the stream runs until the end, one trigger a frame. Formats are
-/// those of pixel_layout.h, packed ones and RGB8 among them; YUV and the like are refused. GigE Vision packets are `packet_bytes`, or the largest the camera and the network take, or found by test
-/// frames (aravis_packets.h), which `info().found` tells. A GigE Vision camera that another program holds is waited for
-/// once for 3.5 s: that long it stays held after a program died.
+/// those of pixel_layout.h, packed ones and RGB8 among them; YUV and the like are refused. GigE Vision packets are
+/// `packet_bytes`, or the largest the camera and the network take, or found by test frames (aravis_packets.h), which
+/// `info().found` tells. A GigE Vision camera that another program holds is waited for once for 3.5 s: that long it
+/// stays held after a program died.
 ///
 /// A frame counts when it is complete, of the right format and size, and newer than the trigger. An incomplete one is
 /// taken again, five times at most. When nothing comes within the exposure + readout + 300 ms, the camera is asked

@@ -55,23 +55,18 @@ const std::map<std::string, GenicamPixelFormat> formats = {
     {"BGR8", {0x02180015, 8, Packing::bgr}},
 };
 
-/// The colours of the four photosites from here to the right and below; of both greens the pixel's own, or the right
+/// One pixel's three: those of the four photosites from it to the right and below; of both greens its own, or the right
 /// one.
-void make_colours_up(std::span<const std::uint16_t> dn, std::size_t width, bool red_first,
+void make_colours_up(std::span<const std::uint16_t> dn, std::size_t width, std::size_t pixel, bool red_first,
                      std::span<std::uint8_t> out) {
   const std::size_t rows = dn.size() / width;
-  const auto give = [&](std::size_t pixel, std::size_t y, std::size_t x) {
+  const auto give = [&](std::size_t y, std::size_t x) {
     y = y < rows ? y : rows - 2, x = x < width ? x : width - 2;
     const std::size_t colour = y % 2 + x % 2;
     out[3 * pixel + (red_first ? colour : 2 - colour)] = std::uint8_t(dn[y * width + x]);
   };
-  for (std::size_t pixel = 0; pixel < dn.size(); ++pixel) {
-    const std::size_t y = pixel / width, x = pixel % width;
-    give(pixel, y + 1, x + 1);
-    give(pixel, y + 1, x);
-    give(pixel, y, x + 1);
-    give(pixel, y, x);
-  }
+  const std::size_t y = pixel / width, x = pixel % width;
+  give(y + 1, x + 1), give(y + 1, x), give(y, x + 1), give(y, x);
 }
 
 }  // namespace
@@ -108,7 +103,8 @@ void pack(std::span<const std::uint16_t> dn, int width_px, const GenicamPixelFor
         break;
       case Packing::rgb:
       case Packing::bgr:
-        return make_colours_up(dn, std::size_t(width_px), format.packing == Packing::rgb, out);
+        make_colours_up(dn, std::size_t(width_px), i, format.packing == Packing::rgb, out);
+        break;
     }
   }
 }

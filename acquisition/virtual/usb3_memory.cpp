@@ -45,7 +45,9 @@ void put_little(std::span<std::uint8_t> bytes, std::uint64_t value) {
 }  // namespace
 
 Usb3Memory::Usb3Memory(const GenicamOptions& options)
-    : options_(options), description_(move_registers(genicam_description(options), registers_begin)) {
+    : serial_(options.serial),
+      format_(genicam_pixel_format(options.pixel_format).value()),
+      description_(move_registers(genicam_description(options), registers_begin)) {
   power_up();
 }
 
@@ -57,7 +59,7 @@ void Usb3Memory::power_up() {
     std::ranges::copy(text, bootstrap_.begin() + address);
   };
   set_text(abrm::manufacturer, "Lumifield"), set_text(abrm::model, "Virtual"), set_text(abrm::device_version, "1");
-  set_text(abrm::serial, options_.serial);
+  set_text(abrm::serial, serial_);
   set_little(abrm::gencp_version, version_1_0, 4), set_little(abrm::response_time_ms, 100, 4);
   set_little(abrm::manifest_address, manifest, 8), set_little(abrm::sbrm_address, sbrm, 8);
   set_little(u3v_version, version_1_0, 4), set_little(stream_channels, 1, 4), set_little(speed, super_speed, 4);
@@ -116,6 +118,8 @@ bool Usb3Memory::writes(std::uint32_t address, std::span<const std::uint8_t> com
 std::vector<std::uint8_t> Usb3Memory::answer(std::span<const std::uint8_t> command) {
   const auto field = [&](std::size_t at, std::size_t count) { return take_little(command.subspan(at, count)); };
   if (command.size() < header_bytes || field(0, 4) != command_prefix || field(4, 2) != wants_answer) return {};
+  const std::size_t frame_bytes =
+      format_.bytes_of(std::size_t(get(registers::width)) * std::size_t(get(registers::height)));
   const std::lock_guard lock(mutex_);
   std::uint16_t status = not_implemented;
   std::vector<std::uint8_t> data;
@@ -125,12 +129,7 @@ std::vector<std::uint8_t> Usb3Memory::answer(std::span<const std::uint8_t> comma
       (code == write_memory && content.size() <= address_bytes)) {
     status = invalid_parameter;
   } else if (code == read_memory) {
-    const GenicamPixelFormat format = genicam_pixel_format(options_.pixel_format).value();
-    const auto side = [&](std::uint32_t address) {
-      const auto bytes = std::span(registers_).subspan(address, 4);
-      return std::size_t(bytes[0]) << 24 | std::size_t(bytes[1]) << 16 | std::size_t(bytes[2]) << 8 | bytes[3];
-    };
-    set_little(payload_required, format.bytes_of(side(registers::width) * side(registers::height)), 8);
+    set_little(payload_required, frame_bytes, 8);
     const std::span<std::uint8_t> there = find(field(header_bytes, 8), field(header_bytes + 10, 2));
     status = there.empty() ? invalid_address : success;
     data.assign(there.begin(), there.end());

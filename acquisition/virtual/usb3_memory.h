@@ -39,7 +39,8 @@ class Usb3Memory final : public RegisterMemory {
   void set_little(std::uint32_t address, std::uint64_t value, int bytes);
   std::uint64_t little(std::uint32_t address, int bytes) const;
 
-  const GenicamOptions options_;
+  const std::string serial_;
+  const GenicamPixelFormat format_;
   const std::string description_;
   mutable std::mutex mutex_;  // guards what follows
   std::vector<std::uint8_t> bootstrap_, registers_, file_;
