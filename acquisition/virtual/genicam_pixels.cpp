@@ -79,33 +79,37 @@ std::optional<GenicamPixelFormat> genicam_pixel_format(const std::string& name) 
 void pack(std::span<const std::uint16_t> dn, int width_px, const GenicamPixelFormat& format,
           std::span<std::uint8_t> out) {
   std::ranges::fill(out, std::uint8_t{0});
-  const int high = format.bits - 8;  // bits of a group's middle byte, per photosite
-  for (std::size_t i = 0; i < dn.size(); ++i) {
-    const unsigned value = dn[i] & ((1u << format.bits) - 1);
-    switch (format.packing) {
-      case Packing::bytes:
-        out[i] = std::uint8_t(value);
-        break;
-      case Packing::words:
+  const unsigned mask = (1u << format.bits) - 1;
+  const auto each = [&](auto put) {
+    for (std::size_t i = 0; i < dn.size(); ++i) put(i, dn[i] & mask);
+  };
+  switch (format.packing) {
+    case Packing::bytes:
+      return each([&](std::size_t i, unsigned value) { out[i] = std::uint8_t(value); });
+    case Packing::words:
+      return each([&](std::size_t i, unsigned value) {
         out[2 * i] = std::uint8_t(value), out[2 * i + 1] = std::uint8_t(value >> 8);
-        break;
-      case Packing::gige: {
+      });
+    case Packing::gige: {
+      const int high = format.bits - 8;  // bits of a group's middle byte, per photosite
+      return each([&](std::size_t i, unsigned value) {
         const std::size_t group = i / 2 * 3;
         out[i % 2 == 0 ? group : group + 2] = std::uint8_t(value >> high);
         out[group + 1] |= std::uint8_t((value & ((1u << high) - 1)) << (i % 2 * 4));
-        break;
-      }
-      case Packing::lsb_first:
+      });
+    }
+    case Packing::lsb_first:
+      return each([&](std::size_t i, unsigned value) {
         for (int bit = 0; bit < format.bits; ++bit) {
           const std::size_t at = i * std::size_t(format.bits) + std::size_t(bit);
           out[at / 8] |= std::uint8_t((value >> bit & 1) << at % 8);
         }
-        break;
-      case Packing::rgb:
-      case Packing::bgr:
+      });
+    case Packing::rgb:
+    case Packing::bgr:
+      return each([&](std::size_t i, unsigned) {
         make_colours_up(dn, std::size_t(width_px), i, format.packing == Packing::rgb, out);
-        break;
-    }
+      });
   }
 }
 
