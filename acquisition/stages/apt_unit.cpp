@@ -99,11 +99,11 @@ Result<std::optional<AptMessage>> AptUnit::await(std::uint8_t source, AptId answ
 
 Status AptUnit::settle(std::uint8_t source) {
   if (Status came = read(milliseconds(0)); !came) return came;
-  const Owed owed = std::exchange(owed_[source], {});
-  const Clock::time_point deadline = Clock::now() + answer_waits * answer_time;
-  for (int k = 0; k < owed.count; ++k) {
-    const Result<std::optional<AptMessage>> late = await(source, owed.answer, left_until(deadline));
+  Owed owed = std::exchange(owed_[source], {});
+  for (int waits = 0; owed.count > 0 && waits < answer_waits;) {
+    const Result<std::optional<AptMessage>> late = await(source, owed.answer, answer_time);
     if (!late) return tl::unexpected(late.error());
+    *late ? --owed.count : ++waits;
   }
   inbox_[source].clear();
   return {};
@@ -119,6 +119,7 @@ Result<AptMessage> AptUnit::ask(const AptMessage& request, AptId answer) {
     owes(request.destination, answer, wait);
     return std::move(**message);
   }
+  owes(request.destination, answer, answer_waits);
   return silent(request.destination, "2 s");
 }
 

@@ -44,8 +44,8 @@ class AptUnit {
   void owes(std::uint8_t source, AptId answer, int more) {
     owed_[source] = {answer, std::max(owed_[source].count + more, 0)};
   }
-  /// Waits for the answers owed, twice 1 s at most, then they are lost; forgets what came from this source. Messages
-  /// have no number: a late answer would pass for that to a later question.
+  /// Waits for the answers owed, until twice 1 s were silent, then they are lost; forgets what came from this source.
+  /// Messages have no number: a late answer would pass for that to a later question.
   Status settle(std::uint8_t source);
 
   /// Settles, sends a request and waits for its answer, twice 1 s at most; other messages of that source are forgotten.

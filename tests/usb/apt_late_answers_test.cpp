@@ -15,12 +15,21 @@ using testing::HasSubstr;
 class AptLateAnswers : public AptStageTest {
  protected:
   std::uint8_t address() const { return GetParam() == Kind::pair ? apt_unit : apt_first_bay; }
+  AptId answer() const { return GetParam() == Kind::pair ? AptId::get_dc_status : AptId::get_status; }
+  AptMessage question() const {
+    AptMessage question{GetParam() == Kind::pair ? AptId::req_dc_status : AptId::req_status, 1};
+    question.destination = address();
+    return question;
+  }
+  AptMessage order_to(std::int32_t counts) const {
+    AptMessage order{AptId::move_absolute};
+    order.destination = address();
+    order.data = apt_position_data(counts);
+    return order;
+  }
   /// Of the x axis, counts.
   std::int32_t asked(AptUnit& unit) const {
-    const bool is_pair = GetParam() == Kind::pair;
-    AptMessage question{is_pair ? AptId::req_dc_status : AptId::req_status, 1};
-    question.destination = address();
-    const Result<AptMessage> told = unit.ask(question, is_pair ? AptId::get_dc_status : AptId::get_status);
+    const Result<AptMessage> told = unit.ask(question(), answer());
     EXPECT_TRUE(told) << message(told);
     const auto status = told ? parse_apt_status(*told) : std::nullopt;
     EXPECT_TRUE(status);
@@ -43,15 +52,27 @@ TEST_P(AptLateAnswers, PassForNoneToALaterQuestion) {
   controllers.server().delay(milliseconds(0));
 
   const auto there = static_cast<std::int32_t>(10 * controllers.server().counts_per_mm());
-  AptMessage order{AptId::move_absolute};
-  order.destination = address();
-  order.data = apt_position_data(there);
-  ASSERT_TRUE((*unit)->send(order));
+  ASSERT_TRUE((*unit)->send(order_to(there)));
   while (controllers.server().true_position_mm().x() < 10) std::this_thread::sleep_for(milliseconds(1));
   EXPECT_EQ(asked(**unit), there);
 }
 
-TEST_P(AptLateAnswers, AQuestionThatWasLostHoldsUpOnlyTheNext) {
+TEST_P(AptLateAnswers, PassForNoneAfterAQuestionThatWasGivenUp) {
+  AptDouble controllers(options_);
+  { ASSERT_NE(controllers.open_homed(), nullptr); }
+  const auto unit = AptUnit::open(controllers.settings().apt.serials[0]);
+  ASSERT_TRUE(unit) << message(unit);
+  controllers.server().delay(AptUnit::answer_waits * AptUnit::answer_time + milliseconds(50));
+  EXPECT_THAT(message((*unit)->ask(question(), answer())), HasSubstr("no answer within 2 s"));
+  controllers.server().delay(milliseconds(0));
+
+  const auto there = static_cast<std::int32_t>(10 * controllers.server().counts_per_mm());
+  ASSERT_TRUE((*unit)->send(order_to(there)));
+  while (controllers.server().true_position_mm().x() < 10) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_EQ(asked(**unit), there) << "both answers were still on their way";
+}
+
+TEST_P(AptLateAnswers, AQuestionThatWasLostIsAskedAgain) {
   AptDouble controllers(options_);
   const auto stage = controllers.open_homed();
   ASSERT_NE(stage, nullptr);
