@@ -1,8 +1,14 @@
 #include "app/session/disk_room.h"
 
+#include <linux/magic.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 
 namespace lumifield {
+
+bool share_room(const DiskRoom& a, const DiskRoom& b) {
+  return a.device == b.device || (a.has_volumes && b.has_volumes && a.free_bytes == b.free_bytes);
+}
 
 Result<DiskRoom> disk_room(const std::filesystem::path& path) {
   std::error_code code;
@@ -13,9 +19,10 @@ Result<DiskRoom> disk_room(const std::filesystem::path& path) {
   if (code)
     return fail("the disk's room cannot be read: " + code.message(), path.string(), "check that the disk is mounted");
   struct stat status {};
-  if (::stat(nearest.c_str(), &status) != 0)
+  struct statfs system {};
+  if (::stat(nearest.c_str(), &status) != 0 || ::statfs(nearest.c_str(), &system) != 0)
     return fail("is on a disk that does not tell which one it is", path.string(), "check that the disk is mounted");
-  return DiskRoom{static_cast<double>(space.available), status.st_dev};
+  return DiskRoom{static_cast<double>(space.available), status.st_dev, system.f_type == BTRFS_SUPER_MAGIC};
 }
 
 }  // namespace lumifield

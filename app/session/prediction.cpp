@@ -32,8 +32,7 @@ ScanPrediction predict(const Bench& bench, const Plan& plan, const ScanPlan& ste
                       room_of(disk)};
   if (recorded.empty()) return scan;
   const Result<DiskRoom> theirs = disk_room(recorded);
-  scan.recording = {recorded_bytes(bench, plan, steps), room_of(theirs),
-                    disk && theirs && disk->device == theirs->device};
+  scan.recording = {recorded_bytes(bench, plan, steps), room_of(theirs), disk && theirs && share_room(*disk, *theirs)};
   return scan;
 }
 

@@ -11,7 +11,7 @@ namespace lumifield {
 
 /// What the frames of a scan that is recorded take. Value type.
 struct RecordingPrediction {
-  double bytes = 0;                  ///< at most, but for what has to be taken again
+  double bytes = 0;                  ///< at most; what has to be taken again comes on top
   std::optional<double> free_bytes;  ///< on the disk that they are kept on; absent where it does not tell
   bool on_same_disk = false;         ///< as the cells: both share its room
 };

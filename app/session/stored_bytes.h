@@ -33,7 +33,7 @@ inline double stored_bytes(const Bench& bench, const Plan& plan, int cells) {
   return cells * stored_cell_bytes(luminaire_geometry(bench, plan)) + half_cells_bytes(bench, plan, cells);
 }
 
-/// Frames that a scan exposes at most, but for what has to be taken again.
+/// Frames that a scan exposes at most; what has to be taken again comes on top.
 inline double exposed_frames(const Plan& plan, const ScanPlan& steps) {
   const double bracket = static_cast<double>(plan.exposures_s.size());
   const double ladder = static_cast<double>(exposure_ladder(plan).size());
