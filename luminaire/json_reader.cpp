@@ -104,7 +104,7 @@ Status JsonDocument::status() const {
   return fail_in(name_, std::move(error));
 }
 
-/// Told when the parser has asked for all that it knows.
+/// A member that nothing has asked for, beside one that was missed. A guess, which gets better the more was asked for.
 std::optional<std::string> JsonDocument::misspelt() const {
   if (!notes_unknown_ || !lacking_) return {};
   std::vector<std::string> unknown;
