@@ -1,5 +1,6 @@
 #include "luminaire/bench.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -217,7 +218,14 @@ Bench with_pass(const Bench& bench, int pass) {
   return one;
 }
 
-double same_place_mm(double tolerance_mm) { return std::max(0.1, 2 * tolerance_mm); }
+double cell_step_mm(const Bench& bench) {
+  return bench.filter.spacing_mm.minCoeff() / bench.stage_to_luminaire.linear.operatorNorm();
+}
+
+double same_place_mm(const Bench& bench) {
+  const double wide_mm = std::max(0.1, 2 * bench.tolerance_mm), half_step_mm = cell_step_mm(bench) / 2;
+  return half_step_mm > 0 ? std::min(wide_mm, half_step_mm) : wide_mm;
+}
 
 Vec2 lamp_displacement_mm(const Bench& bench, const Vec2& stage_mm) {
   if (bench.stage_carries == StageCarries::slide) return Vec2::Zero();
@@ -239,12 +247,12 @@ Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vec
   b.stage_to_luminaire = read_stage_to_luminaire(root["stage_to_luminaire"]);
   b.limits = read_limits(root["limits_mm"]);
   b.tolerance_mm = root["tolerance_mm"].number_or(b.tolerance_mm, positive);
-  b.camera.same_place_mm = b.stage.same_place_mm = same_place_mm(b.tolerance_mm);
   b.lamp_size_mm = root["lamp_size_mm"].vec2(not_negative);
   b.separation_mm = root["planes"]["separation_mm"].number(positive);
   b.camera_model = read_camera_model(root["camera_model"]);
   b.sensor = read_sensor(root["sensor"]);
   b.filter = read_filter(root["filter"]);
+  b.camera.same_place_mm = b.stage.same_place_mm = same_place_mm(b);
   if (Status ok = document->finish(notes, kind); !ok) return tl::unexpected(ok.error());
   return b;
 }

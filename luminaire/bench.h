@@ -19,13 +19,13 @@ struct CameraSettings {
   std::string kind = "aravis";          ///< "aravis" | "v4l2" | "replay"
   std::string address;                  ///< host address, id, serial or path, by kind
   std::string pixel_format = "Mono12";  ///< GenICam spelling
-  double gain = 0;                      ///< dB; v4l2: the number of its gain control
+  double gain = 0;                      ///< dB; the number that it counts, of v4l2 and of a camera that tells no dB
   double readout_s = 0.02;              ///< from end of exposure to the frame in memory, for predictions
   int packet_bytes = 8192;              ///< GigE Vision stream packet; 0: the largest that passes is found
   double packet_delay_us = 0;           ///< GigE Vision: pause between two packets; with packet_bytes 0 it is found too
   int binning = 1;                      ///< aravis: columns and rows that become one; the picture is so much smaller
   int width_px = 0, height_px = 0;      ///< v4l2: of the picture; 0 = the largest that it offers
-  double same_place_mm = 0.1;           ///< replay: no member of its own, but same_place_mm(tolerance_mm)
+  double same_place_mm = 0.1;           ///< replay: no member of its own, but same_place_mm(bench)
 };
 
 /// Thorlabs controllers of two axes, read where the stage's kind is "apt", from its member "apt".
@@ -86,7 +86,7 @@ struct CameraModel {
 /// Counts to irradiance. e⁻ in a pixel = responsivity · V · E · exposure, E the irradiance on the screen in W/m².
 struct Sensor {
   double black_level_dn = 0;
-  double gain_dn_per_e = 1;  ///< at Gain 0 dB; v4l2: at the number that `gain` sets
+  double gain_dn_per_e = 1;  ///< at Gain 0 dB; at the number that `gain` sets where that is no dB
   double read_noise_e = 0;
   double saturation_dn = 4095;                         ///< DN at or above are saturated
   std::vector<double> responsivity;                    ///< e⁻/(s · W/m²) per channel (one, or R G B)
@@ -132,8 +132,12 @@ struct Bench {
   FilterSlide filter;
 };
 
-/// How far from each other a stage may read at the same target: twice the tolerance, 0.1 mm at least.
-double same_place_mm(double tolerance_mm);
+/// What the way of the stage from one cell to the next is not below, mm.
+double cell_step_mm(const Bench& bench);
+
+/// How far from each other a stage may read at the same target: twice the tolerance or 0.1 mm, whichever is more, but
+/// half a cell's step at most, beyond which it would be a neighbour.
+double same_place_mm(const Bench& bench);
 
 /// The bench as far as one of its passes goes: what that pass alone measures.
 Bench with_pass(const Bench& bench, int pass);

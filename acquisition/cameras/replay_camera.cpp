@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "acquisition/cameras/frame_folder.h"
 #include "acquisition/cameras/pixel_layout.h"
 #include "luminaire/file_io.h"
+#include "luminaire/wording.h"
 
 namespace lumifield {
 namespace {
@@ -19,13 +19,6 @@ namespace fs = std::filesystem;
 
 constexpr double same_exposure = 1e-3, same_gain_db = 0.05;
 constexpr const char* other_scan = "use the bench and the plan that it was recorded with, or record it anew";
-
-std::string say(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
-std::string say(const Vec2& at) { return "(" + say(at.x()) + ", " + say(at.y()) + ") mm"; }
 
 bool has_exposure(const ListedFrame& frame, double exposure_s) {
   return std::abs(frame.asked_s - exposure_s) <= same_exposure * frame.asked_s;
@@ -137,8 +130,8 @@ Result<std::size_t> ReplayCamera::choose_at_place(double exposure_s) {
   const auto off_mm = [&](const ListedFrame& frame) { return (*frame.stage_mm - *place_mm_).norm(); };
   const auto nearest = std::ranges::min_element(frames_, {}, off_mm);
   if (!(off_mm(*nearest) <= same_place_mm_))
-    return error("no frame was recorded at " + say(*place_mm_) + "; the nearest, " + nearest->file + ", at " +
-                     say(*nearest->stage_mm) + ", is more than " + say(same_place_mm_) + " mm off",
+    return error("no frame was recorded at " + say(*place_mm_) + " mm; the nearest, " + nearest->file + ", at " +
+                     say(*nearest->stage_mm) + " mm, is more than " + say(same_place_mm_) + " mm off",
                  std::string(other_scan) + "; of frames of your own, set tolerance_mm to how far off they are");
   const auto is_here = [&](const ListedFrame& frame) { return off_mm(frame) <= same_place_mm_; };
   std::optional<std::size_t> last;
@@ -147,7 +140,7 @@ Result<std::size_t> ReplayCamera::choose_at_place(double exposure_s) {
     last = k;
     if (!given_[k]) break;
   }
-  if (!last) return not_recorded(exposure_s, is_here, " at " + say(*place_mm_));
+  if (!last) return not_recorded(exposure_s, is_here, " at " + say(*place_mm_) + " mm");
   return *last;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <optional>
 
@@ -12,6 +11,7 @@
 #include "acquisition/cameras/v4l2_freshness.h"
 #include "acquisition/cameras/v4l2_node.h"
 #include "acquisition/cameras/v4l2_stream.h"
+#include "luminaire/wording.h"
 
 namespace lumifield {
 namespace {
@@ -158,10 +158,9 @@ Status V4l2Camera::check_pace(const V4l2Stream::Frame& frame) const {
   if (!last_ || frame.sequence <= last_->sequence) return {};
   const double interval_s = (frame.stamp_s - last_->stamp_s) / (frame.sequence - last_->sequence);
   if (interval_s >= exposure_s_ * (1 - pace_tolerance)) return {};
-  char text[160];
-  std::snprintf(text, sizeof text, "says that it exposes %.6g s, but its frames follow each other after %.3g s",
-                exposure_s_, interval_s);
-  return node_.error(text, "choose exposures below that, or a slower frame rate in the camera");
+  return node_.error("says that it exposes " + say(exposure_s_) + " s, but its frames follow each other after " +
+                         say(interval_s, 3) + " s",
+                     "choose exposures below that, or a slower frame rate in the camera");
 }
 
 RawImage V4l2Camera::image_of(const V4l2Stream::Frame& frame) const {
@@ -209,12 +208,9 @@ Result<RawImage> V4l2Camera::expose(double exposure_s) {
     if (arrival.kind == Kind::gone) return gone(arrival.how_gone);
     if (arrival.kind == Kind::nothing) {
       if (Status alive = check_alive(); !alive) return tl::unexpected(alive.error());
-      if (std::exchange(was_silent, true)) {
-        char text[96];
-        std::snprintf(text, sizeof text, "no frame within %.3g s, though the camera answers and was started anew",
-                      wait_s);
-        return node_.error(text, "check cable and USB port, take other devices off its bus, or switch it off and on");
-      }
+      if (std::exchange(was_silent, true))
+        return node_.error("no frame within " + say(wait_s, 3) + " s, though the camera answers and was started anew",
+                           "check cable and USB port, take other devices off its bus, or switch it off and on");
       if (Status started = start_stream(); !started) return tl::unexpected(started.error());
       freshness_.ask(now_s(), exposure_s_, picture_.frame_interval_s, true);  // the first frames may be anything
       deadline_s = now_s() + patience_s();

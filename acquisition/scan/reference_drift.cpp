@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "acquisition/scan/frame_signal.h"
-#include "acquisition/scan/wording.h"
+#include "luminaire/wording.h"
 
 namespace lumifield {
 

@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "acquisition/scan/exposure_ladder.h"
-#include "acquisition/scan/wording.h"
+#include "luminaire/wording.h"
 
 namespace lumifield {
 
@@ -100,7 +100,7 @@ Status check_bench_numbers(const Bench& bench) {
   if (!(bench.tolerance_mm > 0))
     return fail("the tolerance must be above 0 mm", "bench: tolerance_mm", "give the stage's repeatability, e.g. 0.02");
   // Else a place within it might be that of a neighbour, as far off on its side, and be played back as this one.
-  const double most_mm = bench.filter.spacing_mm.minCoeff() / 4 / linear.operatorNorm();
+  const double most_mm = cell_step_mm(bench) / 4;
   if (bench.filter.spacing_mm.minCoeff() > 0 && !(bench.tolerance_mm < most_mm))
     return fail("a tolerance of " + say(bench.tolerance_mm) + " mm does not tell neighbouring cells apart: less than " +
                     say(most_mm) + " mm, a quarter of their spacing, does",

@@ -4,7 +4,7 @@
 
 #include "acquisition/scan/scanner.h"
 #include "acquisition/scan/stretch.h"
-#include "acquisition/scan/wording.h"
+#include "luminaire/wording.h"
 
 namespace lumifield {
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "acquisition/scan/scanner.h"
-#include "acquisition/scan/wording.h"
+#include "luminaire/wording.h"
 
 namespace lumifield {
 

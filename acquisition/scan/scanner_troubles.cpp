@@ -5,7 +5,7 @@
 #include "acquisition/scan/scan_rules.h"
 #include "acquisition/scan/scanner.h"
 #include "acquisition/scan/stretch.h"
-#include "acquisition/scan/wording.h"
+#include "luminaire/wording.h"
 
 namespace lumifield {
 

@@ -252,6 +252,17 @@ TEST(Bench, TwoReadingsOfAPlaceAreTwiceTheToleranceApart) {
   }
 }
 
+TEST(Bench, AReadingNearerToANeighbourIsNotOfThePlace) {
+  Json json = Json::parse(documented);
+  json["filter"]["spacing_mm"] = {0.3, 0.15};
+  json["stage_to_luminaire"]["linear"] = {{-1.5, 0}, {0, 1}};
+  const Result<Bench> bench = parse_bench(json.dump(), "bench.json");
+  ASSERT_TRUE(bench) << bench.error().message();
+  EXPECT_DOUBLE_EQ(cell_step_mm(*bench), 0.1);
+  EXPECT_DOUBLE_EQ(bench->camera.same_place_mm, 0.05);
+  EXPECT_DOUBLE_EQ(bench->stage.same_place_mm, 0.05);
+}
+
 TEST(Bench, TellsWhatItDoesNotKnow) {
   std::vector<std::string> notes;
   const std::string written = to_json(*parse_bench(documented, "bench.json"));

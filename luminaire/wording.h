@@ -6,8 +6,8 @@
 
 namespace lumifield {
 
-/// Numbers as the scan's error messages say them: six digits, no trailing zeros. Reentrant.
-std::string say(double value);
+/// Numbers as error messages say them: so many digits, no trailing zeros. Reentrant.
+std::string say(double value, int digits = 6);
 /// "(x, y)".
 std::string say(const Vec2& point);
 

@@ -1,13 +1,13 @@
-#include "acquisition/scan/wording.h"
+#include "luminaire/wording.h"
 
 #include <array>
 #include <cstdio>
 
 namespace lumifield {
 
-std::string say(double value) {
+std::string say(double value, int digits) {
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.6g", value + 0.0);  // + 0.0: no "-0"
+  std::snprintf(text.data(), text.size(), "%.*g", digits, value + 0.0);  // + 0.0: no "-0"
   return text.data();
 }
 
