@@ -48,10 +48,12 @@ struct DeviceReport {
   std::string name;  ///< vendor model serial
   std::string address;
   bool usable = false;
-  std::string reason, remedy;  ///< why not and what to do
+  std::string reason, remedy;     ///< why not and what to do
+  std::string capabilities = {};  ///< in words, of one that is usable: "Mono8, Mono12; 2048x1536 px; …"
 };
 
-/// Every camera that answers, usable or not. Takes about a second (GigE Vision discovery).
+/// Every camera that answers, usable or not. Takes about a second (GigE Vision discovery), and opens each for a moment,
+/// to ask what it can.
 std::vector<DeviceReport> find_cameras();
 
 /// Opens the camera that a bench file names and takes so many frames. `reason` tells how many came

@@ -5,6 +5,7 @@
 
 #include "acquisition/cameras/aravis_selectors.h"
 #include "acquisition/cameras/aravis_settings.h"
+#include "luminaire/wording.h"
 
 namespace lumifield {
 namespace {
@@ -78,7 +79,7 @@ Status check_one(ArvCamera* camera, const CameraSettings& settings, const Automa
   arv_camera_set_float(camera, automatic.feature, 1, ignored.out());
   const double kept = arv_camera_get_float(camera, automatic.feature, fault.out());
   if (fault) return unanswered(settings, automatic, fault);
-  return std::abs(kept - 1) <= one_tolerance ? Status{} : stays(settings, automatic, number(kept), place);
+  return std::abs(kept - 1) <= one_tolerance ? Status{} : stays(settings, automatic, say(kept), place);
 }
 
 Status everywhere(ArvCamera* camera, const CameraSettings& settings, const Automatic& automatic, Check check) {

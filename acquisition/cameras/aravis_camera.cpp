@@ -8,11 +8,12 @@
 #include <optional>
 #include <thread>
 
-#include "acquisition/cameras/aravis_discovery.h"
+#include "acquisition/cameras/aravis_handle.h"
 #include "acquisition/cameras/aravis_packets.h"
 #include "acquisition/cameras/aravis_settings.h"
 #include "acquisition/cameras/aravis_stream.h"
 #include "acquisition/cameras/gvcp_probe.h"
+#include "luminaire/wording.h"
 
 namespace lumifield {
 namespace {
@@ -26,11 +27,6 @@ constexpr double us_per_s = 1e6;
 // less here, as a trigger that is taken for repeated costs little.
 constexpr double gige_repeat_s = 0.4, least_usb_repeat_s = 4e-3, usb_repeat_s_per_ms = 0.8e-3;
 constexpr guint64 usb_response_time_address = 0x1cc;
-
-struct Unref {
-  void operator()(gpointer object) const { g_object_unref(object); }
-};
-using CameraHandle = std::unique_ptr<ArvCamera, Unref>;
 
 class AravisCamera final : public Camera {
  public:
@@ -120,7 +116,7 @@ Status AravisCamera::set_packets() {
   if (!packets) return tl::unexpected(packets.error());
   if (settings_.packet_bytes == 0)
     info_.found =
-        "\"packet_bytes\": " + std::to_string(packets->bytes) + ", \"packet_delay_us\": " + number(packets->delay_us);
+        "\"packet_bytes\": " + std::to_string(packets->bytes) + ", \"packet_delay_us\": " + say(packets->delay_us);
   return {};
 }
 
@@ -176,13 +172,13 @@ Status AravisCamera::apply_exposure(double exposure_s) {
   if (exposure_s == asked_exposure_s_) return {};
   constexpr double rounding = 1e-9;
   if (!(exposure_s >= applied_.shortest_s * (1 - rounding) && exposure_s <= applied_.longest_s * (1 + rounding)))
-    return error("an exposure of " + number(exposure_s) + " s is out of its range",
-                 "choose one from " + number(applied_.shortest_s) + " to " + number(applied_.longest_s) + " s");
+    return error("an exposure of " + say(exposure_s) + " s is out of its range",
+                 "choose one from " + say(applied_.shortest_s) + " to " + say(applied_.longest_s) + " s");
   GFault fault;
   const double whole_ns = std::round(exposure_s * 1e9);  // or 1100 µs come out as 1099 in cameras that count them
   arv_camera_set_exposure_time(camera_.get(), whole_ns / 1e3, fault.out());
   const double taken_us = arv_camera_get_exposure_time(camera_.get(), fault.out());
-  if (fault) return control_failure("an exposure of " + number(exposure_s) + " s", fault);
+  if (fault) return control_failure("an exposure of " + say(exposure_s) + " s", fault);
   asked_exposure_s_ = exposure_s;
   exposure_s_ = taken_us / us_per_s;
   return {};
@@ -218,7 +214,7 @@ Result<RawImage> AravisCamera::expose(double exposure_s) {
     if (!arrival.came) {
       if (Status alive = check_alive(); !alive) return tl::unexpected(alive.error());
       if (was_lost)
-        return error("no frame within " + number(frame_time_s()) + " s, twice, though the camera answers",
+        return error("no frame within " + say(frame_time_s()) + " s, twice, though the camera answers",
                      is_on_usb() ? "take another cable or port, or switch the camera off and on"
                                  : "check the firewall, and that the network passes packets of packet_bytes");
       was_lost = true;
@@ -247,19 +243,9 @@ Result<std::unique_ptr<Camera>> open_aravis_camera(const CameraSettings& setting
   if (!at->ipv4.empty())
     if (Status is_free = await_free(at->ipv4, settings.address); !is_free) return tl::unexpected(is_free.error());
 
-  GFault fault;
-  CameraHandle handle(arv_camera_new(at->name.c_str(), fault.out()));
-  if (!handle && at->ipv4.empty() && fault.text().find("LIBUSB_ERROR_BUSY") != std::string::npos)
-    return held_by_another(settings.address);
-  if (!handle)
-    return fail("cannot be opened (" + fault.text() + ")", "camera " + settings.address,
-                "close other programs that may use it, then switch it off and on");
-  ArvDevice* const device = arv_camera_get_device(handle.get());
-  const bool is_gige = ARV_IS_GV_DEVICE(device);
-  if (is_gige == at->ipv4.empty())
-    return fail("is another kind of camera than was found there", "camera " + settings.address, "open it again");
-  if (is_gige && !arv_gv_device_is_controller(ARV_GV_DEVICE(device))) return held_by_another(settings.address);
-  auto camera = std::make_unique<AravisCamera>(std::move(handle), *at, settings);
+  Result<CameraHandle> handle = take_control(*at, settings.address);
+  if (!handle) return tl::unexpected(handle.error());
+  auto camera = std::make_unique<AravisCamera>(std::move(*handle), *at, settings);
   if (Status started = camera->start(); !started) return tl::unexpected(started.error());
   return camera;
 }

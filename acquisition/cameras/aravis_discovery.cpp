@@ -4,6 +4,7 @@
 #include <chrono>
 #include <thread>
 
+#include "acquisition/cameras/aravis_handle.h"
 #include "acquisition/cameras/aravis_settings.h"
 #include "acquisition/cameras/gvcp_probe.h"
 #include "acquisition/cameras/usb3_permission.h"
@@ -14,6 +15,19 @@ namespace {
 tl::unexpected<Error> not_there(const std::string& address, GvcpPresence presence) {
   return fail(presence == GvcpPresence::refused ? "the host answers, but no camera on it" : "no camera answers",
               "camera " + address, "check cable, power and address; `lumifield devices` lists what answers");
+}
+
+/// Asks the camera itself, which shows too whether it can be opened.
+void ask_capabilities(DeviceReport& report) {
+  if (!report.usable) return;
+  const bool is_gige = is_ipv4_address(report.address);
+  const Result<CameraHandle> camera = take_control({report.address, is_gige ? report.address : ""}, report.address);
+  const Result<std::string> can =
+      camera ? capabilities_of(camera->get(), report.address) : tl::unexpected(camera.error());
+  if (can)
+    report.capabilities = *can;
+  else
+    report.usable = false, report.reason = can.error().what, report.remedy = can.error().remedy;
 }
 
 bool is_gige(guint i) { return text_or_empty(arv_get_device_protocol(i)) == "GigEVision"; }
@@ -42,13 +56,19 @@ DeviceReport report_of(guint i) {
   return report;
 }
 
-}  // namespace
-
-std::vector<DeviceReport> find_aravis_cameras() {
+std::vector<DeviceReport> discover() {
   arv_update_device_list();
   std::vector<DeviceReport> reports;
   for (guint i = 0; i < arv_get_n_devices(); ++i) reports.push_back(report_of(i));
   for (DeviceReport& camera : usb3_cameras_without_permission()) reports.push_back(std::move(camera));
+  return reports;
+}
+
+}  // namespace
+
+std::vector<DeviceReport> find_aravis_cameras() {
+  std::vector<DeviceReport> reports = discover();
+  for (DeviceReport& camera : reports) ask_capabilities(camera);
   return reports;
 }
 
@@ -58,15 +78,20 @@ DeviceReport probe_aravis_camera(const CameraSettings& settings) {
   };
   const Result<AravisAddress> at = aravis_address(settings.address);
   if (!at) return unusable(at.error());
-  for (DeviceReport& report : find_aravis_cameras())
-    if (report.address == at->name) return std::move(report);
+  for (DeviceReport& report : discover()) {
+    if (report.address != at->name) continue;
+    ask_capabilities(report);
+    return std::move(report);
+  }
 
   // In another subnet no discovery reaches it.
   if (at->ipv4.empty()) return unusable(not_there(settings.address, GvcpPresence::silent).value());
   const GvcpAnswer answer = probe_gvcp(at->ipv4);
   if (answer.presence != GvcpPresence::present) return unusable(not_there(settings.address, answer.presence).value());
   if (answer.controlled) return unusable(held_by_another(settings.address).value());
-  return {"camera", {}, at->ipv4, true, {}, {}};
+  DeviceReport report{"camera", {}, at->ipv4, true, {}, {}};
+  ask_capabilities(report);
+  return report;
 }
 
 Result<AravisAddress> aravis_address(const std::string& name) {

@@ -10,8 +10,8 @@ namespace lumifield {
 /// Which cameras Aravis finds, GigE Vision and USB3 Vision, and whether one may be opened. All functions block;
 /// otherwise reentrant.
 
-/// All cameras that answer a discovery, 1 s and 0.5 s for each that is out of reach. Whether another program holds a
-/// USB3 Vision camera shows only when it is opened.
+/// All cameras that answer a discovery, 1 s and 0.5 s for each that is out of reach. Those that nobody holds are opened
+/// for a moment, to ask what they can.
 std::vector<DeviceReport> find_aravis_cameras();
 
 /// The camera at an address or of a name, by discovery or, in another subnet, by its address alone.

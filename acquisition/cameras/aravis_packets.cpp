@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "acquisition/cameras/aravis_stream.h"
+#include "luminaire/wording.h"
 
 namespace lumifield {
 namespace {
@@ -38,10 +39,10 @@ Status set_delay(ArvCamera* camera, const CameraSettings& settings, double delay
   arv_camera_gv_set_packet_delay(camera, std::llround(delay_us * ns_per_us), fault.out());
   const double taken_us = static_cast<double>(arv_camera_gv_get_packet_delay(camera, fault.out())) / ns_per_us;
   if (fault && delay_us == 0) return {};  // it has none
-  const std::string text = "a pause of " + number(delay_us) + " us between packets";
+  const std::string text = "a pause of " + say(delay_us) + " us between packets";
   if (fault) return refused(settings, text, fault);
   if (std::abs(taken_us - delay_us) <= delay_tolerance_us) return {};
-  return error(settings, "took " + number(taken_us) + " us for " + text, "set packet_delay_us to what it takes");
+  return error(settings, "took " + say(taken_us) + " us for " + text, "set packet_delay_us to what it takes");
 }
 
 Status set_packets(ArvCamera* camera, const CameraSettings& settings, const StreamPackets& packets) {
@@ -58,7 +59,7 @@ Result<int> try_packets(ArvCamera* camera, const CameraSettings& settings, const
   GFault fault, stop_fault;
   const double exposure_s = std::clamp(test_exposure_s, applied.shortest_s, applied.longest_s);
   arv_camera_set_exposure_time(camera, exposure_s * us_per_s, fault.out());
-  if (fault) return refused(settings, "an exposure of " + number(exposure_s) + " s", fault);
+  if (fault) return refused(settings, "an exposure of " + say(exposure_s) + " s", fault);
   Result<AravisStream> stream = AravisStream::start(camera, settings, applied);
   if (!stream) return tl::unexpected(stream.error());
   int complete = 0;

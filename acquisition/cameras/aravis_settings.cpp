@@ -3,17 +3,15 @@
 #include <algorithm>
 #include <arv.h>
 #include <cmath>
-#include <cstdio>
 
 #include "acquisition/cameras/aravis_automatics.h"
-#include "acquisition/cameras/aravis_selectors.h"
+#include "acquisition/cameras/aravis_gain.h"
 
 namespace lumifield {
 namespace {
 
 constexpr int longest_side_px = 1 << 16;
 constexpr double us_per_s = 1e6;
-constexpr double gain_tolerance_db = 0.05;
 
 struct Applying {
   ArvCamera* camera;
@@ -26,8 +24,6 @@ struct Applying {
   Status full_region();
   Status automatics() { return switch_automatics_off(camera, settings); }
   Status gain();
-  Status gain_alone();
-  Status no_gain(const std::string& place);
   Status trigger();
 
   tl::unexpected<Error> error(std::string what, std::string remedy) const {
@@ -37,23 +33,18 @@ struct Applying {
 
 Status Applying::pixel_format() {
   const std::string& wanted = settings.pixel_format;
-  GFault fault;
-  guint count = 0;
-  const char** const names = arv_camera_dup_available_pixel_formats_as_strings(camera, &count, fault.out());
+  const Result<std::vector<std::string>> offered = usable_pixel_formats(camera, settings);
+  if (!offered) return tl::unexpected(offered.error());
   std::string usable;
-  bool is_offered = false;
-  for (const std::string& name : take_names(names, count)) {
-    if (!pixel_layout(name)) continue;
-    usable.append(usable.empty() ? "" : ", ").append(name);
-    is_offered |= wanted == name;
-  }
-  if (fault) return refused(settings, "a question for its pixel formats", fault);
+  for (const std::string& name : *offered) usable.append(usable.empty() ? "" : ", ").append(name);
   const std::string remedy = usable.empty() ? "use a camera that gives its photosites" : "choose one of " + usable;
   for (const char* family : {"YUV", "YCbCr"})
     if (wanted.starts_with(family))
       return error("gives in \"" + wanted + "\" sums of colours for screens: no measurement", remedy);
-  if (!is_offered) return error("does not offer the pixel format \"" + wanted + "\"", remedy);
+  if (std::ranges::find(*offered, wanted) == offered->end())
+    return error("does not offer the pixel format \"" + wanted + "\"", remedy);
 
+  GFault fault;
   arv_camera_set_pixel_format_from_string(camera, wanted.c_str(), fault.out());
   const std::string taken = text_or_empty(arv_camera_get_pixel_format_as_string(camera, fault.out()));
   applied.format = arv_camera_get_pixel_format(camera, fault.out());
@@ -109,58 +100,10 @@ Status Applying::full_region() {
   return {};
 }
 
-/// No gain beside the one that is measured with, which is selected last: it undoes what was set under an alias of it.
-Status Applying::gain_alone() {
-  constexpr const char* selector = "GainSelector";
-  const Result<std::vector<std::string>> offered = offered_values(camera, settings, selector);
-  if (!offered) return tl::unexpected(offered.error());
-  if (offered->empty()) return {};
-  const Result<std::string> selected = selected_value(camera, settings, selector);
-  if (!selected) return tl::unexpected(selected.error());
-  std::string wanted = *selected;
-  for (const char* whole : {"AnalogAll", "All"})
-    if (std::ranges::find(*offered, whole) != offered->end()) wanted = whole;
-  for (const std::string& other : *offered) {
-    if (other == wanted) continue;
-    if (Status taken = select_value(camera, settings, selector, other); !taken) return taken;
-    if (Status none = no_gain(place_of(selector, other)); !none) return none;
-  }
-  return select_value(camera, settings, selector, wanted);
-}
-
-Status Applying::no_gain(const std::string& place) {
-  GFault ignored, fault;
-  const bool is_there = arv_camera_is_gain_available(camera, fault.out());
-  if (!fault && !is_there) return {};
-  arv_camera_set_gain(camera, 0, ignored.out());
-  const double kept_db = arv_camera_get_gain(camera, fault.out());
-  if (fault) return refused(settings, "a question for its gain" + place, fault);
-  if (std::abs(kept_db) <= gain_tolerance_db) return {};
-  return error("changes values by a second gain: Gain stays " + number(kept_db) + " dB" + place,
-               "set it to 0 dB with the maker's program, or use another camera");
-}
-
 Status Applying::gain() {
-  if (Status alone = gain_alone(); !alone) return alone;
-  GFault fault;
-  const bool is_there = arv_camera_is_gain_available(camera, fault.out());
-  if (fault) return refused(settings, "a question for its gain", fault);
-  if (!is_there) {
-    if (settings.gain == 0) return {};
-    return error("has no gain to set", "set \"gain\": 0 in the bench file");
-  }
-  double low = 0, high = 0;
-  arv_camera_get_gain_bounds(camera, &low, &high, fault.out());
-  if (fault) return refused(settings, "a question for its gain", fault);
-  if (!(settings.gain >= low && settings.gain <= high))
-    return error("a gain of " + number(settings.gain) + " dB is out of its range",
-                 "choose one from " + number(low) + " to " + number(high) + " dB");
-  arv_camera_set_gain(camera, settings.gain, fault.out());
-  applied.gain_db = arv_camera_get_gain(camera, fault.out());
-  if (fault) return refused(settings, "a gain of " + number(settings.gain) + " dB", fault);
-  if (std::abs(applied.gain_db - settings.gain) > gain_tolerance_db)
-    return error("took a gain of " + number(applied.gain_db) + " dB for " + number(settings.gain) + " dB",
-                 "write the gain that it took into the bench file");
+  const Result<double> gain_db = set_aravis_gain(camera, settings);
+  if (!gain_db) return tl::unexpected(gain_db.error());
+  applied.gain_db = *gain_db;
   return {};
 }
 
@@ -193,6 +136,16 @@ std::vector<std::string> take_names(const char** names, unsigned count) {
   return taken;
 }
 
+Result<std::vector<std::string>> usable_pixel_formats(ArvCamera* camera, const CameraSettings& settings) {
+  GFault fault;
+  guint count = 0;
+  const char** const names = arv_camera_dup_available_pixel_formats_as_strings(camera, &count, fault.out());
+  std::vector<std::string> usable = take_names(names, count);
+  if (fault) return refused(settings, "a question for its pixel formats", fault);
+  std::erase_if(usable, [](const std::string& name) { return !pixel_layout(name); });
+  return usable;
+}
+
 Result<AppliedSettings> apply_settings(ArvCamera* camera, const CameraSettings& settings) {
   Applying applying{camera, settings, {}};
   using Step = Status (Applying::*)();
@@ -208,11 +161,5 @@ tl::unexpected<Error> refused(const CameraSettings& settings, const std::string&
 }
 
 std::string text_or_empty(const char* text) { return text == nullptr ? "" : text; }
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
 
 }  // namespace lumifield

@@ -38,7 +38,7 @@ struct AppliedSettings {
   PixelLayout layout;
   std::uint32_t format = 0;  ///< PFNC code of the pixel format
   int width_px = 0, height_px = 0;
-  double gain_db = 0;
+  double gain_db = 0;                    ///< of frames: set_aravis_gain
   double shortest_s = 0, longest_s = 0;  ///< exposure range
 
   std::size_t frame_bytes() const {
@@ -46,17 +46,17 @@ struct AppliedSettings {
   }
 };
 
-/// Sets mirrors off, pixel format, binning, full region, automatics off (aravis_automatics.h), gain and software
-/// trigger, and reads them back. The gain is that of GainSelector All, else AnalogAll, else the one selected; those of
-/// its other values are 0 dB. Errors: a value that the camera does not offer, with those it does; one that it took
-/// otherwise.
+/// Those of its pixel formats that can be measured with, in its order.
+Result<std::vector<std::string>> usable_pixel_formats(ArvCamera* camera, const CameraSettings& settings);
+
+/// Sets mirrors off, pixel format, binning, full region, automatics off (aravis_automatics.h), gain (aravis_gain.h) and
+/// software trigger, and reads them back. Errors: a value that the camera does not offer, with those it does; one that
+/// it took otherwise.
 Result<AppliedSettings> apply_settings(ArvCamera* camera, const CameraSettings& settings);
 
 /// "camera does not take WHAT (its own words)".
 tl::unexpected<Error> refused(const CameraSettings& settings, const std::string& what, const GFault& fault);
 
 std::string text_or_empty(const char* text);
-/// Six digits.
-std::string number(double value);
 
 }  // namespace lumifield

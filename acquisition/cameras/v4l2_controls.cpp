@@ -1,9 +1,10 @@
 #include "acquisition/cameras/v4l2_controls.h"
 
 #include <cmath>
-#include <cstdio>
 #include <linux/videodev2.h>
 #include <optional>
+
+#include "luminaire/wording.h"
 
 namespace lumifield {
 namespace {
@@ -102,11 +103,8 @@ Result<double> set_gain(const V4l2Node& node, double gain) {
   if (!control && gain == 0) return 0.0;
   if (!control) return node.error("has no gain to set", "set \"gain\": 0 in the bench file");
   const std::string range = std::to_string(control->minimum) + " to " + std::to_string(control->maximum);
-  if (gain != std::round(gain) || gain < control->minimum || gain > control->maximum) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", gain);
-    return node.error("its gain control has no " + std::string(text), "choose a whole number from " + range);
-  }
+  if (gain != std::round(gain) || gain < control->minimum || gain > control->maximum)
+    return node.error("its gain control has no " + say(gain), "choose a whole number from " + range);
   if (const int failure = write(node, V4L2_CID_GAIN, static_cast<int>(gain)); failure != 0)
     return node.refused("a gain of " + std::to_string(static_cast<int>(gain)), failure);
   const std::optional<int> taken = read(node, V4L2_CID_GAIN);
@@ -147,18 +145,24 @@ std::string V4l2Controls::shortcoming(const V4l2Node& node) {
   return found ? "" : found.error().what;
 }
 
+std::string V4l2Controls::capabilities(const V4l2Node& node) {
+  std::string text;
+  if (const auto exposure = find(node, V4L2_CID_EXPOSURE_ABSOLUTE))
+    text = "exposures of " + say(std::max(1, exposure->minimum) * unit_s) + " to " + say(exposure->maximum * unit_s) +
+           " s; ";
+  const auto gain = find(node, V4L2_CID_GAIN);
+  if (!gain) return text + "no gain";
+  return text + "gain " + std::to_string(gain->minimum) + " to " + std::to_string(gain->maximum) + ", not in dB";
+}
+
 Result<double> V4l2Controls::set_exposure(double exposure_s) const {
   const double units = std::round(exposure_s / unit_s);
-  if (!(units >= shortest_ && units <= longest_) || units < 1) {
-    char text[128];
-    std::snprintf(text, sizeof text, "choose one from %.6g to %.6g s, in steps of 100 µs",
-                  std::max(1, shortest_) * unit_s, longest_ * unit_s);
-    char asked[32];
-    std::snprintf(asked, sizeof asked, "%.6g", exposure_s);
-    return node_->error("an exposure of " + std::string(asked) + " s is out of its range", text);
-  }
+  if (!(units >= shortest_ && units <= longest_) || units < 1)
+    return node_->error("an exposure of " + say(exposure_s) + " s is out of its range",
+                        "choose one from " + say(std::max(1, shortest_) * unit_s) + " to " + say(longest_ * unit_s) +
+                            " s, in steps of 100 µs");
   if (const int failure = write(*node_, V4L2_CID_EXPOSURE_ABSOLUTE, static_cast<int>(units)); failure != 0)
-    return node_->refused("an exposure of " + std::to_string(exposure_s) + " s", failure);
+    return node_->refused("an exposure of " + say(exposure_s) + " s", failure);
   const std::optional<int> taken = read(*node_, V4L2_CID_EXPOSURE_ABSOLUTE);
   if (!taken || *taken < 1)
     return node_->error("does not tell its exposure time", "check cable and power, then open it again");

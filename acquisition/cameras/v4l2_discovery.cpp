@@ -39,7 +39,6 @@ Status check_free(const V4l2Node& node) {
 DeviceReport report_of(const V4l2Node& node) {
   DeviceReport report{"camera", node.vendor() + " " + node.model() + " " + node.serial(), node.path(), false, {}, {}};
   const V4l2Formats formats = v4l2_formats(node);
-  if (!formats.usable.empty()) report.name += " (" + formats.names() + ")";
   if (formats.usable.empty()) {
     report.reason = formats.why_none(), report.remedy = "use a camera with uncompressed pictures";
   } else if (report.reason = V4l2Controls::shortcoming(node); !report.reason.empty()) {
@@ -48,6 +47,7 @@ DeviceReport report_of(const V4l2Node& node) {
     report.reason = free.error().what, report.remedy = free.error().remedy;
   } else {
     report.usable = true;
+    report.capabilities = formats.names() + largest_picture(node, formats) + "; " + V4l2Controls::capabilities(node);
   }
   return report;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <linux/videodev2.h>
 
 namespace lumifield {
@@ -92,6 +91,14 @@ V4l2Formats v4l2_formats(const V4l2Node& node) {
       formats.unknown.push_back(fourcc_text(entry.pixelformat));
   }
   return formats;
+}
+
+std::string largest_picture(const V4l2Node& node, const V4l2Formats& formats) {
+  Size largest;
+  for (const V4l2PixelFormat& format : formats.usable)
+    for (const Size& size : sizes_of(node, format.fourcc))
+      if (size.area() > largest.area()) largest = size;
+  return largest.area() > 0 ? "; " + largest.text() + " px" : "";
 }
 
 namespace {

@@ -35,6 +35,8 @@ struct V4l2Formats {
   std::string why_none() const;
 };
 V4l2Formats v4l2_formats(const V4l2Node& node);
+/// "; 2592x1944 px" of the usable ones; "" where the camera lists no sizes.
+std::string largest_picture(const V4l2Node& node, const V4l2Formats& formats);
 
 /// Sets pixel format and size and reads them back. Of formats with the same DN the unpacked one is taken; of the sizes
 /// the largest, unless the settings name one. Errors: a format or size not offered, with those that are; a compressed

@@ -69,6 +69,7 @@ std::optional<AptHardware> parse_apt_hardware(const AptMessage& message) {
     hardware.model += static_cast<char>(message.data[k]);
   for (std::size_t k = 16; k >= 14; --k)  // minor, interim, major
     hardware.firmware += std::to_string(message.data[k]) + (k > 14 ? "." : "");
+  hardware.channels = get<std::uint16_t>(message.data, 82);
   return hardware;
 }
 

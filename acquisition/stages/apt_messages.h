@@ -71,6 +71,7 @@ class AptReader {
 struct AptHardware {
   std::uint32_t serial = 0;
   std::string model, firmware;
+  int channels = 0;  ///< bays, of a rack
 };
 std::optional<AptHardware> parse_apt_hardware(const AptMessage& message);
 

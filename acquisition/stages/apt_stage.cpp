@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "acquisition/stages/apt_axis.h"
+#include "luminaire/wording.h"
 
 namespace lumifield {
 namespace {
@@ -98,10 +99,8 @@ Status AptStage::check_reach(const Vec2& target_mm) const {
   const Vec2 far = settings_.direction.cwiseProduct(settings_.travel_mm);
   const Vec2 low = far.cwiseMin(Vec2::Zero()), high = far.cwiseMax(Vec2::Zero());
   if ((target_mm.array() >= low.array()).all() && (target_mm.array() <= high.array()).all()) return {};
-  char text[160];
-  std::snprintf(text, sizeof text, "the target (%.6g, %.6g) mm lies beyond the travel, (%g, %g) to (%g, %g) mm",
-                target_mm.x(), target_mm.y(), low.x(), low.y(), high.x(), high.y());
-  return fail(text, info_.path, "correct the plan, limits_mm or travel_mm");
+  return fail("the target " + say(target_mm) + " mm lies beyond the travel, " + say(low) + " to " + say(high) + " mm",
+              info_.path, "correct the plan, limits_mm or travel_mm");
 }
 
 Status AptStage::move_to(const Vec2& target_mm, std::stop_token stop) {
@@ -170,21 +169,18 @@ void AptStage::halt() {
   for (AptAxis& axis : axes_) axis.stop_now();
 }
 
-std::string name_of(const AptHardware& hardware) {
-  return "Thorlabs " + hardware.model + " " + std::to_string(hardware.serial);
-}
-
-Result<std::string> identify(const std::string& serial) {
+/// `known`: its name, as far as USB tells it.
+DeviceReport ask(const std::string& serial, const std::string& known) {
   const Result<std::unique_ptr<AptUnit>> unit = AptUnit::open(serial);
-  if (!unit) return tl::unexpected(unit.error());
-  const Result<AptHardware> hardware = (*unit)->identify();
-  if (!hardware) return tl::unexpected(hardware.error());
-  return name_of(*hardware);
-}
-
-DeviceReport report_of(const std::string& serial, const std::string& known, const Result<std::string>& name) {
-  if (name) return {"stage", *name, serial, true, {}, {}};
-  return {"stage", known, serial, false, name.error().what, name.error().remedy};
+  const Result<AptHardware> hardware = unit ? (*unit)->identify() : tl::unexpected(unit.error());
+  if (!hardware) return {"stage", known, serial, false, hardware.error().what, hardware.error().remedy};
+  return {"stage",
+          "Thorlabs " + hardware->model + " " + std::to_string(hardware->serial),
+          serial,
+          true,
+          {},
+          {},
+          "firmware " + hardware->firmware + "; channels: " + std::to_string(hardware->channels)};
 }
 
 }  // namespace
@@ -213,20 +209,23 @@ std::vector<DeviceReport> find_apt_stages(const std::string&) {
       reports.push_back(
           {"stage", device.product, device.closed->where, false, device.closed->what, device.closed->remedy});
     else
-      reports.push_back(report_of(device.serial, device.product, identify(device.serial)));
+      reports.push_back(ask(device.serial, device.product));
   }
   return reports;
 }
 
 DeviceReport probe_apt_stage(const StageSettings& settings) {
-  std::string serials, names;
+  DeviceReport both{"stage", {}, {}, true, {}, {}};
+  const auto add = [](std::string& list, const std::string& text, const char* between) {
+    list.append(list.empty() ? "" : between).append(text);
+  };
   for (const std::string& serial : settings.apt.serials) {
-    const Result<std::string> name = identify(serial);
-    if (!name) return report_of(serial, {}, name);
-    serials += (serials.empty() ? "" : ", ") + serial;
-    names += (names.empty() ? "" : ", ") + *name;
+    const DeviceReport one = ask(serial, {});
+    if (!one.usable) return one;
+    add(both.name, one.name, ", "), add(both.address, serial, ", ");
+    add(both.capabilities, one.capabilities, " | ");
   }
-  return {"stage", names, serials, true, {}, {}};
+  return both;
 }
 
 }  // namespace lumifield

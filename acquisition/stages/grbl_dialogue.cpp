@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <thread>
 
+#include "luminaire/wording.h"
+
 namespace lumifield {
 namespace {
 
@@ -19,7 +21,7 @@ constexpr milliseconds reset_time(2000);
 constexpr milliseconds stop_time(3000);  // even slow stages brake from full speed in less
 constexpr int unreadable_limit = 3;
 constexpr int work_offset_period = 40;  // reports; GRBL sends WCO at least every 30th
-constexpr double mm_per_inch = 25.4;
+constexpr double mm_per_inch = 25.4, s_per_min = 60;
 
 constexpr int required_settings[] = {100, 101, 110, 111, 120, 121, 130, 131};
 
@@ -48,13 +50,20 @@ Result<std::unique_ptr<GrblDialogue>> GrblDialogue::open(const std::string& path
   return dialogue;
 }
 
-Result<std::string> GrblDialogue::listen(const std::string& path) {
+Result<GrblFound> GrblDialogue::listen(const std::string& path) {
   Result<std::unique_ptr<SerialLink>> link = SerialLink::open(path, baud);
   if (!link) return tl::unexpected(link.error());
   GrblDialogue dialogue(std::move(*link));
   const Result<std::string> greeting = dialogue.await_greeting(std::nullopt);
-  if (!greeting) return greeting;
-  return is_grbl_banner(*greeting) ? greeting->substr(0, greeting->find(" [")) : "Grbl controller";
+  if (!greeting) return tl::unexpected(greeting.error());
+  const auto status = parse_grbl_status(*greeting);
+  if (status && status->state != GrblState::idle && status->state != GrblState::alarm)
+    return GrblFound{"Grbl controller", "busy: not asked what it can"};
+  if (Status known = dialogue.read_identity(); !known) return tl::unexpected(known.error());
+  const auto slower = [&](int x) { return std::min(dialogue.setting(x), dialogue.setting(x + 1)); };
+  return GrblFound{dialogue.firmware(), "travel " + say(dialogue.setting(130)) + " by " + say(dialogue.setting(131)) +
+                                            " mm; up to " + say(slower(110) / s_per_min) + " mm/s, " +
+                                            say(slower(120)) + " mm/s²"};
 }
 
 Status GrblDialogue::wake() {

@@ -11,6 +11,12 @@
 
 namespace lumifield {
 
+/// A controller that was only asked. Value type.
+struct GrblFound {
+  std::string name;
+  std::string capabilities;  ///< its travel and speed, in words; that it was not asked, where it is busy
+};
+
 /// Question and answer with a GRBL 1.1 controller: commands that end in `ok`, `?` reports, resets; and whatever the
 /// controller says unasked in between: alarms, a banner that tells of a restart, noise. Every fault comes out as an
 /// Error at the next call. Thread-bound, but send_now().
@@ -27,10 +33,10 @@ class GrblDialogue {
   /// and settings. Errors: as SerialLink::open; silent; unreadable; not GRBL 1.1; a setting missing.
   static Result<std::unique_ptr<GrblDialogue>> open(const std::string& path);
 
-  /// Opens the port and asks `?` until a GRBL controller shows itself, 3 s at most: its banner or "Grbl controller".
-  /// Sends nothing else, so that it goes on with what it does; boards that restart when the port is opened still do.
+  /// Opens the port and asks `?` until a GRBL controller shows itself, 3 s at most, then, if it stands idle or locked,
+  /// firmware and settings, so that it goes on with what it does; boards that restart when the port is opened still do.
   /// Errors: as open(), and a controller in a critical alarm, which answers nothing but a reset, counts as silent.
-  static Result<std::string> listen(const std::string& path);
+  static Result<GrblFound> listen(const std::string& path);
 
   const std::string& path() const { return link_->path(); }
   const std::string& firmware() const { return firmware_; }

@@ -18,9 +18,9 @@ std::set<std::string> serial_ports() {
 }
 
 DeviceReport try_port(const std::string& port) {
-  const Result<std::string> name = GrblDialogue::listen(port);
-  if (!name) return {"stage", {}, port, false, name.error().what, name.error().remedy};
-  return {"stage", *name, port, true, {}, {}};
+  const Result<GrblFound> found = GrblDialogue::listen(port);
+  if (!found) return {"stage", {}, port, false, found.error().what, found.error().remedy};
+  return {"stage", found->name, port, true, {}, {}, found->capabilities};
 }
 
 }  // namespace

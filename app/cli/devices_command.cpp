@@ -29,11 +29,13 @@ DeviceReport report_of(const std::string& role, const Result<std::string>& probe
 void name_by_bench(std::vector<Found>& found, DeviceReport device, const std::string& bench) {
   const auto same = [&](const Found& f) { return f.device.role == device.role && f.device.address == device.address; };
   const auto at = std::find_if(found.begin(), found.end(), same);
-  if (at == found.end())
+  if (at == found.end()) {
     found.push_back({std::move(device), bench});
-  else
-    at->bench = bench, at->device.usable = device.usable, at->device.reason = device.reason,
-    at->device.remedy = device.remedy;
+    return;
+  }
+  at->bench = bench;
+  at->device.usable = device.usable, at->device.reason = device.reason, at->device.remedy = device.remedy;
+  if (!device.capabilities.empty()) at->device.capabilities = device.capabilities;
 }
 
 DeviceReport none(const std::string& role) {
@@ -74,6 +76,7 @@ void print(const Found& found) {
   const std::string place = d.name.empty() || d.address.empty() ? d.address : " at " + d.address;
   std::printf("%-7s %-11s %s%s%s\n", d.role.c_str(), d.usable ? "usable" : "not usable", d.name.c_str(), place.c_str(),
               found.bench.empty() ? "" : (" (named in " + found.bench + ")").c_str());
+  if (!d.capabilities.empty()) std::printf("%20s%s\n", "", d.capabilities.c_str());
   const std::string remedy = d.remedy.empty() ? "" : "; " + d.remedy;
   if (!d.reason.empty()) std::printf("%20s%s%s\n", "", d.reason.c_str(), remedy.c_str());
 }
@@ -91,6 +94,7 @@ int run_devices(const DevicesOptions& options) {
                     {"name", d.name},
                     {"address", d.address},
                     {"usable", d.usable},
+                    {"capabilities", d.capabilities},
                     {"reason", d.reason},
                     {"remedy", d.remedy},
                     {"bench", found.bench}});

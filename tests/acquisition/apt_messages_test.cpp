@@ -44,7 +44,8 @@ Bytes hardware_bytes() {
   Bytes bytes{0x06, 0x00, 0x54, 0x00, 0x81, 0x50, 0xc1, 0xfc, 0x9b, 0x01};  // serial 27000001
   for (const char c : std::string("KDC101")) bytes.push_back(std::uint8_t(c));
   bytes.insert(bytes.end(), {0, 0, 0x10, 0, 5, 1, 2, 0});
-  bytes.resize(6 + 84);
+  bytes.resize(6 + 82);
+  bytes.insert(bytes.end(), {3, 0});
   return bytes;
 }
 
@@ -66,6 +67,7 @@ TEST(AptReader, PutsMessagesTogetherWhereverTheyAreCut) {
     EXPECT_EQ(hardware->serial, 27000001u);
     EXPECT_EQ(hardware->model, "KDC101");
     EXPECT_EQ(hardware->firmware, "2.1.5");
+    EXPECT_EQ(hardware->channels, 3);
     EXPECT_EQ(messages[1].id, AptId::homed);
     EXPECT_EQ(messages[1].param1, 1);
     EXPECT_EQ(messages[1].source, 0x22);

@@ -200,7 +200,7 @@ TEST_F(AravisCamera, TakesFormatAndGainFromTheSettings) {
     ASSERT_TRUE(image) << image.error().message();
     EXPECT_EQ(image->bits, format.bits);
     EXPECT_EQ(image->pattern, format.pattern);
-    EXPECT_EQ(image->gain, 3);
+    EXPECT_EQ(image->gain, 0) << "it counts in a unit of its own";
     expect_frame(*image, server.frames(), 2000);
   }
 }
@@ -214,7 +214,7 @@ TEST_F(AravisCamera, RefusesWhatTheCameraDoesNotTake) {
       testing::AllOf(HasSubstr("\"YUV422_8\" sums of colours for screens: no measurement"), HasSubstr("BayerRG8")));
   CameraSettings loud = settings();
   loud.gain = 11;
-  EXPECT_THAT(refusal(loud), HasSubstr("from 0 to 10 dB"));
+  EXPECT_THAT(refusal(loud), HasSubstr("from 0 to 10 ("));
   loud.gain = 2.5;
   EXPECT_THAT(refusal(loud), HasSubstr("took a gain of")) << "the double's gain is an integer";
   CameraSettings crumbs = settings();
@@ -388,6 +388,9 @@ TEST_F(AravisCamera, IsFoundAndOpenedByItsSerialNumber) {
   EXPECT_EQ(found[0].role, "camera");
   EXPECT_THAT(found[0].name, HasSubstr("D1"));
   EXPECT_EQ(found[0].address, address);
+  EXPECT_THAT(found[0].capabilities,
+              testing::AllOf(HasSubstr("Mono8"), HasSubstr("Mono16"), HasSubstr("; 128x96 px"),
+                             HasSubstr("; gain 0 to 10, not in dB")));
 
   CameraSettings by_serial = settings();
   by_serial.address = "D1";
@@ -398,6 +401,7 @@ TEST_F(AravisCamera, IsFoundAndOpenedByItsSerialNumber) {
   EXPECT_FALSE(held[0].usable);
   EXPECT_EQ(held[0].reason, "held by another program");
   EXPECT_FALSE(held[0].remedy.empty());
+  EXPECT_EQ(held[0].capabilities, "") << "it was not asked";
   EXPECT_TRUE(camera->expose(0.001));
 }
 

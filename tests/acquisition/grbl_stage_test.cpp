@@ -334,7 +334,9 @@ TEST(Stages, ListingDisturbsNoMotion) {
   }
   const auto lines = grbl.lines();
   const auto reports = find_stages(grbl.path());
-  EXPECT_TRUE(std::ranges::any_of(reports, [&](const auto& r) { return r.address == grbl.path() && r.usable; }));
+  EXPECT_TRUE(std::ranges::any_of(reports, [&](const auto& r) {
+    return r.address == grbl.path() && r.usable && r.capabilities == "busy: not asked what it can";
+  }));
   EXPECT_EQ(grbl.lines(), lines);
   while (grbl.state() == "Run") std::this_thread::sleep_for(milliseconds(10));
   EXPECT_EQ(grbl.state(), "Idle") << "neither in an alarm by a reset nor on hold";
@@ -351,7 +353,8 @@ TEST(Stages, FindsTheGivenPort) {
   const DeviceReport usable = found(grbl.path());
   EXPECT_TRUE(usable.usable);
   EXPECT_EQ(usable.role, "stage");
-  EXPECT_EQ(usable.name, "Grbl controller");
+  EXPECT_EQ(usable.name, "Grbl 1.1h.20190825");
+  EXPECT_EQ(usable.capabilities, "travel 200 by 150 mm; up to 83.3333 mm/s, 400 mm/s²");
 
   const auto owner = open(grbl);
   const DeviceReport busy = found(grbl.path());

@@ -153,6 +153,8 @@ TEST_P(AptStageFaults, OneProgramAtATime) {
   EXPECT_TRUE(named.usable) << named.reason;
   EXPECT_EQ(named.name, GetParam() == Kind::pair ? "Thorlabs KDC101 27000001, Thorlabs KDC101 27000002"
                                                  : "Thorlabs BSC202 70000001");
+  EXPECT_EQ(named.capabilities, GetParam() == Kind::pair ? "firmware 2.1.5; channels: 1 | firmware 2.1.5; channels: 1"
+                                                         : "firmware 2.1.5; channels: 2");
   const auto owner = controllers.open();
   ASSERT_NE(owner, nullptr);
   EXPECT_THAT(message(open_stage(controllers.settings())), HasSubstr("in use by another program"));

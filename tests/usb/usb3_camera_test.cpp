@@ -38,6 +38,8 @@ TEST_F(Usb3CameraTest, IsListedAndOpenedBySerialNumberAndById) {
   EXPECT_TRUE(listed[0].usable) << listed[0].reason;
   CameraSettings settings = double_.settings();
   EXPECT_EQ(probe_camera(settings).address, listed[0].address);
+  EXPECT_THAT(listed[0].capabilities, AllOf(HasSubstr("Mono12"), HasSubstr("; 64x48 px; exposures of "),
+                                            HasSubstr("gain 0 to 24 dB; binning to 4")));
   for (const std::string& name : {std::string("D1"), listed[0].address}) {
     settings.address = name;
     const auto camera = open(settings);
@@ -235,6 +237,10 @@ TEST_F(Usb3CameraTest, OneProgramAtATime) {
   const auto camera = open(double_.settings());
   ASSERT_NE(camera, nullptr);
   EXPECT_THAT(refusal(double_.settings()), HasSubstr("held by another program"));
+  const std::vector<DeviceReport> listed = found();
+  ASSERT_EQ(listed.size(), 1U);
+  EXPECT_FALSE(listed[0].usable);
+  EXPECT_EQ(listed[0].reason, "held by another program");
   EXPECT_TRUE(camera->expose(0.001));
 }
 

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "acquisition/cameras/aravis_discovery.h"
+#include "luminaire/error.h"
+
+typedef struct _ArvCamera ArvCamera;
+
+namespace lumifield {
+
+struct ReleaseCamera {
+  void operator()(ArvCamera* camera) const;
+};
+using CameraHandle = std::unique_ptr<ArvCamera, ReleaseCamera>;
+
+/// Takes control of the camera, of which nothing is set yet. `name` is the bench file's. Blocks for as long as its
+/// description takes to load. Errors: held by another program, no answer, not the kind of camera that was found there.
+Result<CameraHandle> take_control(const AravisAddress& at, const std::string& name);
+
+/// What an open camera can do, in words: the pixel formats that are measured with, its largest picture, exposure times,
+/// gain, binning. Only asks. Errors: an answer that does not come, or makes no sense.
+Result<std::string> capabilities_of(ArvCamera* camera, const std::string& name);
+
+}  // namespace lumifield
