@@ -22,17 +22,40 @@ constexpr std::size_t header_bytes = 6;
 constexpr std::uint8_t data_follow = 0x80, unit_address = 0x50, rack_address = 0x11, first_bay = 0x21;
 constexpr milliseconds both_axes_time(5);  // in which the other axis's move comes, too
 
-// As MTS50-Z8, and a stepper with the steps of the GRBL stage.
-constexpr double servo_loop_s = 2048 / 6e6;
-constexpr AptChannel::Scale servo{34304, 65536 * servo_loop_s, 65536 * servo_loop_s* servo_loop_s};
-constexpr AptChannel::Scale stepper{250, 53.68, 53.68 * 204.94e-6};
+constexpr AptChannel::Scale servo(double counts_per_mm, double loop_s) {
+  return {counts_per_mm, 65536 * loop_s, 65536 * loop_s * loop_s};
+}
+
+struct Model {
+  const char *controller, *name, *product;
+  std::vector<std::string> serials;  ///< of the units: one for each axis, or a rack
+  bool is_servo;
+  AptChannel::Scale scale;
+
+  bool is_rack() const { return serials.size() == 1; }
+  std::uint8_t address() const { return is_rack() ? rack_address : unit_address; }
+};
+
+/// With the motors of MTS50-Z8, of a stepper with the steps of the GRBL stage, and of DDS220.
+Model model_of(AptOptions::Kind kind) {
+  switch (kind) {
+    case AptOptions::Kind::stepper_rack:
+      return {"bsc20x", "BSC202", "APT Stepper Motor Controller", {"70000001"}, false, {250, 53.68, 53.68 * 204.94e-6}};
+    case AptOptions::Kind::servo_rack:
+      return {"bbd30x", "BBD302", "Brushless Motor Controller", {"103000001"}, true, servo(20000, 102.4e-6)};
+    case AptOptions::Kind::pair:
+      break;
+  }
+  const std::vector<std::string> serials{"27000001", "27000002"};
+  return {"kdc101", "KDC101", "Kinesis K-Cube DC Driver", serials, true, servo(34304, 2048 / 6e6)};
+}
 
 }  // namespace
 
 struct AptController::Impl {
   AptOptions options;
   std::function<void(const Vec2&)> prepare;
-  std::vector<std::string> serials;
+  Model model;
 
   std::mutex wake_mutex;  // guards woken; taken alone, or by a chip
   std::condition_variable wake;
@@ -55,14 +78,9 @@ struct AptController::Impl {
 
   std::jthread thread;  // the last, so that it ends before what it uses
 
-  bool is_pair() const { return options.kind == AptOptions::Kind::pair; }
-  const AptChannel::Scale& scale() const { return is_pair() ? servo : stepper; }
-
   Status open(UsbBus& bus) {
-    serials = is_pair() ? std::vector<std::string>{"27000001", "27000002"} : std::vector<std::string>{"70000001"};
-    for (const std::string& serial : serials) {
-      const char* const product = is_pair() ? "Kinesis K-Cube DC Driver" : "APT Stepper Motor Controller";
-      auto chip = FtdiChip::plug(bus, product, serial, [this] {
+    for (const std::string& serial : model.serials) {
+      auto chip = FtdiChip::plug(bus, model.product, serial, [this] {
         const std::lock_guard lock(wake_mutex);
         woken = true;
         wake.notify_one();
@@ -72,8 +90,9 @@ struct AptController::Impl {
     }
     lines.resize(chips.size());
     for (int axis : {0, 1}) {
-      const auto address = static_cast<std::uint8_t>(is_pair() ? unit_address : first_bay + axis);
-      axes.emplace_back(address, is_pair(), scale(), options.power_up_mm[axis], options.homing_mm_s, options.most_mm_s);
+      const auto address = static_cast<std::uint8_t>(model.is_rack() ? first_bay + axis : unit_address);
+      axes.emplace_back(address, model.is_servo, model.scale, options.power_up_mm[axis], options.homing_mm_s,
+                        options.most_mm_s);
       axes.back().tells_completion = options.tells_completion;
       axes.back().set_speed(options.rapid_mm_s, options.acceleration_mm_s2);
     }
@@ -95,7 +114,7 @@ struct AptController::Impl {
     for (std::size_t axis = 0; axis < axes.size(); ++axis) send(unit_of(axis), axes[axis].advance(seconds));
   }
 
-  std::size_t unit_of(std::size_t axis) const { return is_pair() ? axis : 0; }
+  std::size_t unit_of(std::size_t axis) const { return model.is_rack() ? 0 : axis; }
 
   void send(std::size_t unit, const Bytes& bytes) {
     if (silent || bytes.empty()) return;
@@ -143,7 +162,7 @@ struct AptController::Impl {
   void take(std::size_t unit, const Bytes& message) {
     const std::uint8_t address = message[4] & ~data_follow;
     const int id = message[0] | message[1] << 8;
-    if (id == 0x0005 && address == (is_pair() ? unit_address : rack_address)) return send(unit, hardware(unit));
+    if (id == 0x0005 && address == model.address()) return send(unit, hardware(unit));
     for (std::size_t axis = 0; axis < axes.size(); ++axis) {
       if (unit_of(axis) != unit || axes[axis].address() != address) continue;
       send(unit, axes[axis].take(message));
@@ -153,15 +172,15 @@ struct AptController::Impl {
 
   /// HW_GET_INFO.
   Bytes hardware(std::size_t unit) const {
-    Bytes told{0x06, 0x00, 84, 0, 0x01 | data_follow, is_pair() ? unit_address : rack_address};
-    put_u32(told, std::uint32_t(std::stoul(serials[unit])));
-    std::string model = is_pair() ? "KDC101" : "BSC202";
-    model.resize(8);
-    told.insert(told.end(), model.begin(), model.end());
+    Bytes told{0x06, 0x00, 84, 0, 0x01 | data_follow, model.address()};
+    put_u32(told, std::uint32_t(std::stoul(model.serials[unit])));
+    std::string name = model.name;
+    name.resize(8);
+    told.insert(told.end(), name.begin(), name.end());
     put_u16(told, 44);
     for (const int part : {5, 1, 2, 0}) told.push_back(std::uint8_t(part));
     told.resize(header_bytes + 78);
-    for (const int number : {1, 0, is_pair() ? 1 : 2}) put_u16(told, std::uint16_t(number));
+    for (const int number : {1, 0, model.is_rack() ? 2 : 1}) put_u16(told, std::uint16_t(number));
     return told;
   }
 
@@ -175,6 +194,7 @@ Result<std::unique_ptr<AptController>> AptController::start(UsbBus& bus, const A
                                                             std::function<void(const Vec2&)> prepare) {
   auto impl = std::make_unique<Impl>();
   impl->options = options;
+  impl->model = model_of(options.kind);
   impl->prepare = std::move(prepare);
   if (Status opened = impl->open(bus); !opened) return tl::unexpected(opened.error());
   impl->thread = std::jthread([self = impl.get()](std::stop_token stop) { self->run(stop); });
@@ -184,8 +204,9 @@ Result<std::unique_ptr<AptController>> AptController::start(UsbBus& bus, const A
 AptController::AptController(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 AptController::~AptController() = default;
 
-std::vector<std::string> AptController::serials() const { return impl_->serials; }
-double AptController::counts_per_mm() const { return impl_->scale().counts_per_mm; }
+const char* AptController::controller() const { return impl_->model.controller; }
+std::vector<std::string> AptController::serials() const { return impl_->model.serials; }
+double AptController::counts_per_mm() const { return impl_->model.scale.counts_per_mm; }
 
 Vec2 AptController::true_position_mm() const {
   return impl_->each([](const AptChannel& axis) { return axis.motor.true_mm().x(); });

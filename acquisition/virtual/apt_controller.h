@@ -15,8 +15,8 @@
 namespace lumifield::virtual_bench {
 
 struct AptOptions {
-  /// A pair of servo controllers (KDC101), or two bays of a stepper controller (BSC202).
-  enum class Kind { pair, rack } kind = Kind::pair;
+  /// A pair of servo controllers (KDC101), two bays of a stepper controller (BSC202) or of a servo controller (BBD302).
+  enum class Kind { pair, stepper_rack, servo_rack } kind = Kind::pair;
   Vec2 travel_mm{200, 150};
   double rapid_mm_s = 200;  ///< at power-up; the host may set others
   double acceleration_mm_s2 = 2000;
@@ -45,6 +45,8 @@ class AptController final : public StageServer {
                                                       std::function<void(const Vec2&)> prepare = {});
   ~AptController() override;
 
+  /// As a bench file names them: AptSettings::controller.
+  const char* controller() const;
   /// Of the units on USB, and of the kind's motors.
   std::vector<std::string> serials() const;
   double counts_per_mm() const;

@@ -70,15 +70,16 @@ Status start_stage(DeviceOptions& options, Devices& devices, const std::filesyst
     return {};
   }
   AptOptions apt;
-  apt.kind = options.stage_kind == "apt" ? AptOptions::Kind::pair : AptOptions::Kind::rack;
+  if (options.stage_kind == "apt-rack") apt.kind = AptOptions::Kind::stepper_rack;
+  if (options.stage_kind == "apt-servo-rack") apt.kind = AptOptions::Kind::servo_rack;
   apt.travel_mm = options.stage.travel_mm;
   apt.rapid_mm_s = options.stage.rapid_mm_s;
   apt.acceleration_mm_s2 = options.stage.acceleration_mm_s2;
   auto stage = AptController::start(*devices.usb, apt, prepare);
   if (!stage) return tl::unexpected(stage.error());
   bench.stage.kind = "apt";
-  bench.stage.apt = {(*stage)->serials(), apt.kind == AptOptions::Kind::pair ? "kdc101" : "bsc20x",
-                     Vec2::Constant((*stage)->counts_per_mm()), Vec2(1, 1), apt.travel_mm};
+  bench.stage.apt = {(*stage)->serials(), (*stage)->controller(), Vec2::Constant((*stage)->counts_per_mm()), Vec2(1, 1),
+                     apt.travel_mm};
   devices.stage = std::move(*stage);
   return {};
 }

@@ -22,7 +22,7 @@ struct DeviceOptions {
   V4l2CameraOptions video;
   GrblOptions stage;
   std::string camera_kind = "gige";  ///< "gige" | "usb3" | "v4l2"
-  std::string stage_kind = "grbl";   ///< "grbl" | "apt" | "apt-rack"
+  std::string stage_kind = "grbl";   ///< "grbl" | "apt" | "apt-rack" | "apt-servo-rack"
 
   bool has_usb() const { return camera_kind == "usb3" || stage_kind != "grbl"; }
 };

@@ -148,7 +148,7 @@ int parse_and_run(int argc, char** argv) {
   app.add_option("--address", options.camera.address, "the GigE camera's, of an interface of this machine");
   app.add_option("--stage", options.stage_kind,
                  "GRBL on a terminal, or Thorlabs on USB: a pair of units, or a rack's bays")
-      ->check(of({"grbl", "apt", "apt-rack"}));
+      ->check(of({"grbl", "apt", "apt-rack", "apt-servo-rack"}));
   app.add_option("--serial-path", options.stage.path,
                  "where the GRBL stage's terminal is linked; else a temporary path");
   app.add_option("--knobs", options.knobs, "Unix socket that takes lines `NAME VALUE` and `get NAME`");

@@ -19,6 +19,12 @@ class AptDouble {
  public:
   using Kind = virtual_bench::AptOptions::Kind;
 
+  static auto kinds() { return testing::Values(Kind::pair, Kind::stepper_rack, Kind::servo_rack); }
+  static std::string name_of(const testing::TestParamInfo<Kind>& each) {
+    if (each.param == Kind::pair) return "pair";
+    return each.param == Kind::stepper_rack ? "stepper_rack" : "servo_rack";
+  }
+
   explicit AptDouble(virtual_bench::AptOptions options = {}) : options_(options) {
     auto started = virtual_bench::AptController::start(test::usb_bus(), options, [this](const Vec2& at) {
       const std::scoped_lock lock(mutex_);
@@ -38,7 +44,7 @@ class AptDouble {
     StageSettings settings;
     settings.kind = "apt";
     settings.apt.serials = server_->serials();
-    settings.apt.controller = options_.kind == Kind::pair ? "kdc101" : "bsc20x";
+    settings.apt.controller = server_->controller();
     settings.apt.counts_per_mm = Vec2::Constant(server_->counts_per_mm());
     settings.apt.travel_mm = options_.travel_mm;
     return settings;

@@ -15,9 +15,9 @@ using testing::HasSubstr;
 class AptLateAnswers : public AptStageTest {
  protected:
   std::uint8_t address() const { return GetParam() == Kind::pair ? apt_unit : apt_first_bay; }
-  AptId answer() const { return GetParam() == Kind::pair ? AptId::get_dc_status : AptId::get_status; }
+  AptId answer() const { return GetParam() == Kind::stepper_rack ? AptId::get_status : AptId::get_dc_status; }
   AptMessage question() const {
-    AptMessage question{GetParam() == Kind::pair ? AptId::req_dc_status : AptId::req_status, 1};
+    AptMessage question{GetParam() == Kind::stepper_rack ? AptId::req_status : AptId::req_dc_status, 1};
     question.destination = address();
     return question;
   }
@@ -39,8 +39,7 @@ class AptLateAnswers : public AptStageTest {
     return {id, 0, 0, apt_host, address(), std::move(data)};
   }
 };
-INSTANTIATE_TEST_SUITE_P(Kinds, AptLateAnswers, testing::Values(AptDouble::Kind::pair, AptDouble::Kind::rack),
-                         [](const auto& each) { return each.param == AptDouble::Kind::pair ? "pair" : "rack"; });
+INSTANTIATE_TEST_SUITE_P(Kinds, AptLateAnswers, AptDouble::kinds(), AptDouble::name_of);
 
 TEST_P(AptLateAnswers, PassForNoneToALaterQuestion) {
   AptDouble controllers(options_);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <linux/capability.h>
+#include <map>
 #include <sys/syscall.h>
 #include <thread>
 #include <unistd.h>
@@ -17,8 +18,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 class AptStageFaults : public AptStageTest {};
-INSTANTIATE_TEST_SUITE_P(Kinds, AptStageFaults, testing::Values(AptDouble::Kind::pair, AptDouble::Kind::rack),
-                         [](const auto& each) { return each.param == AptDouble::Kind::pair ? "pair" : "rack"; });
+INSTANTIATE_TEST_SUITE_P(Kinds, AptStageFaults, AptDouble::kinds(), AptDouble::name_of);
 
 /// While it lives, the file permissions are true for this thread, whoever it runs as.
 class OrdinaryUser {
@@ -151,8 +151,10 @@ TEST_P(AptStageFaults, OneProgramAtATime) {
             GetParam() == Kind::pair ? 2 : 1);
   const DeviceReport named = probe_stage(controllers.settings());
   EXPECT_TRUE(named.usable) << named.reason;
-  EXPECT_EQ(named.name, GetParam() == Kind::pair ? "Thorlabs KDC101 27000001, Thorlabs KDC101 27000002"
-                                                 : "Thorlabs BSC202 70000001");
+  const std::map<Kind, std::string> names{{Kind::pair, "Thorlabs KDC101 27000001, Thorlabs KDC101 27000002"},
+                                          {Kind::stepper_rack, "Thorlabs BSC202 70000001"},
+                                          {Kind::servo_rack, "Thorlabs BBD302 103000001"}};
+  EXPECT_EQ(named.name, names.at(GetParam()));
   EXPECT_EQ(named.capabilities, GetParam() == Kind::pair ? "firmware 2.1.5; channels: 1 | firmware 2.1.5; channels: 1"
                                                          : "firmware 2.1.5; channels: 2");
   const auto owner = controllers.open();
@@ -187,9 +189,9 @@ TEST_P(AptStageFaults, AServosReadingShowsLostSteps) {
   controllers.server().lose_steps(0.03);
   ASSERT_TRUE(stage->move_to({20, 10}));
   EXPECT_NEAR(controllers.server().true_position_mm().x(), 19.97, 1e-4);
-  EXPECT_NEAR(stage->position().value().x(), GetParam() == Kind::pair ? 19.97 : 20, 1e-4);
+  EXPECT_NEAR(stage->position().value().x(), GetParam() == Kind::stepper_rack ? 20 : 19.97, 1e-4);
   controllers.server().lose_steps(0.3);
-  if (GetParam() == Kind::rack) return;
+  if (GetParam() == Kind::stepper_rack) return;
   EXPECT_THAT(message(stage->move_to({40, 10})), HasSubstr("axis x stands at 39.670 mm instead of 40.000 mm"));
 }
 

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <map>
 #include <thread>
 
 #include "tests/support/apt_double.h"
@@ -14,16 +15,18 @@ using std::chrono::milliseconds;
 using testing::AllOf;
 using testing::HasSubstr;
 
-INSTANTIATE_TEST_SUITE_P(Kinds, AptStageTest, testing::Values(AptDouble::Kind::pair, AptDouble::Kind::rack),
-                         [](const auto& each) { return each.param == AptDouble::Kind::pair ? "pair" : "rack"; });
+INSTANTIATE_TEST_SUITE_P(Kinds, AptStageTest, AptDouble::kinds(), AptDouble::name_of);
 
 TEST_P(AptStageTest, ReportsWhatTheControllersSay) {
   const AptDouble controllers(options_);
   const auto stage = controllers.open();
   ASSERT_NE(stage, nullptr);
-  const bool is_pair = GetParam() == Kind::pair;
-  EXPECT_EQ(stage->info().firmware, is_pair ? "KDC101 2.1.5, KDC101 2.1.5" : "BSC202 2.1.5");
-  EXPECT_EQ(stage->info().path, is_pair ? "27000001, 27000002" : "70000001");
+  const std::map<Kind, std::pair<std::string, std::string>> told{
+      {Kind::pair, {"KDC101 2.1.5, KDC101 2.1.5", "27000001, 27000002"}},
+      {Kind::stepper_rack, {"BSC202 2.1.5", "70000001"}},
+      {Kind::servo_rack, {"BBD302 2.1.5", "103000001"}}};
+  EXPECT_EQ(stage->info().firmware, told.at(GetParam()).first);
+  EXPECT_EQ(stage->info().path, told.at(GetParam()).second);
   EXPECT_NEAR(stage->info().rapid_mm_s, 200, 0.01);
   EXPECT_NEAR(stage->info().acceleration_mm_s2, 2000, 0.5);
   EXPECT_EQ(stage->info().travel_mm, Vec2(200, 150));
