@@ -17,6 +17,15 @@ tl::unexpected<Error> not_there(const std::string& address, GvcpPresence presenc
               "camera " + address, "check cable, power and address; `lumifield devices` lists what answers");
 }
 
+/// Silence is believed on the second try only: the first may fall into a time when the whole machine was held up.
+constexpr int silences = 2;
+
+GvcpAnswer probe_patiently(const std::string& ip) {
+  GvcpAnswer answer;
+  for (int tries = 0; tries < silences && answer.presence == GvcpPresence::silent; ++tries) answer = probe_gvcp(ip);
+  return answer;
+}
+
 /// Asks the camera itself, which shows too whether it can be opened.
 void ask_capabilities(DeviceReport& report) {
   if (!report.usable) return;
@@ -96,14 +105,16 @@ DeviceReport probe_aravis_camera(const CameraSettings& settings) {
 
 Result<AravisAddress> aravis_address(const std::string& name) {
   if (is_ipv4_address(name)) return AravisAddress{name, name};
-  arv_update_device_list();
   std::vector<AravisAddress> found;
   std::string list;
-  for (guint i = 0; i < arv_get_n_devices(); ++i) {
-    const std::string id = text_or_empty(arv_get_device_id(i)), address = text_or_empty(arv_get_device_address(i));
-    if (name != id && name != text_or_empty(arv_get_device_serial_nbr(i))) continue;
-    found.push_back(is_gige(i) ? AravisAddress{address, address} : AravisAddress{id, ""});
-    list.append(list.empty() ? "" : ", ").append(id + (is_gige(i) ? " at " + address : ""));
+  for (int tries = 0; tries < silences && found.empty(); ++tries) {
+    arv_update_device_list();
+    for (guint i = 0; i < arv_get_n_devices(); ++i) {
+      const std::string id = text_or_empty(arv_get_device_id(i)), address = text_or_empty(arv_get_device_address(i));
+      if (name != id && name != text_or_empty(arv_get_device_serial_nbr(i))) continue;
+      found.push_back(is_gige(i) ? AravisAddress{address, address} : AravisAddress{id, ""});
+      list.append(list.empty() ? "" : ", ").append(id + (is_gige(i) ? " at " + address : ""));
+    }
   }
   if (found.empty()) return not_there(name, GvcpPresence::silent);
   if (found.size() > 1)
@@ -113,11 +124,11 @@ Result<AravisAddress> aravis_address(const std::string& name) {
 }
 
 Status await_free(const std::string& ip, const std::string& name) {
-  GvcpAnswer answer = probe_gvcp(ip);
+  GvcpAnswer answer = probe_patiently(ip);
   if (answer.presence != GvcpPresence::present) return not_there(name, answer.presence);
   if (!answer.controlled) return {};
   std::this_thread::sleep_for(gvcp_heartbeat_timeout(ip) + std::chrono::milliseconds(300));
-  answer = probe_gvcp(ip);
+  answer = probe_patiently(ip);
   if (answer.presence != GvcpPresence::present) return not_there(name, answer.presence);
   if (answer.controlled) return held_by_another(name);
   return {};

@@ -23,9 +23,10 @@ struct AravisAddress {
   std::string ipv4;  ///< of a GigE Vision camera; empty: of another, which has no network
 };
 
-/// Where the camera with this id or serial number is, 1 s; an IPv4 address stands for itself. A GigE Vision camera is
-/// then opened by its address: opened by its id, Aravis may reach it through another network card than its stream. Of
-/// cameras with one id, which no two should have, Aravis lists one: name such by address. Errors: none there, several.
+/// Where the camera with this id or serial number is, 1 s, 2 s to find none; an IPv4 address stands for itself. A GigE
+/// Vision camera is then opened by its address: opened by its id, Aravis may reach it through another network card than
+/// its stream. Of cameras with one id, which no two should have, Aravis lists one: name such by address. Errors: none
+/// there, several.
 Result<AravisAddress> aravis_address(const std::string& name);
 
 /// Waits until no other program controls the camera, as long as one that died would hold it. `name` is the bench

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <linux/capability.h>
 #include <memory>
@@ -56,6 +57,8 @@ class AnswerLosingRelay {
   AnswerLosingRelay& operator=(const AnswerLosingRelay&) = delete;
 
   int lost() const { return lost_; }
+  /// Commands wait meanwhile.
+  void hold_up(bool held) { is_held_up_ = held; }
 
  private:
   struct Host {
@@ -73,7 +76,7 @@ class AnswerLosingRelay {
 
   void run(std::stop_token stop) {
     while (!stop.stop_requested()) {
-      std::vector<pollfd> ways{{front_, POLLIN, 0}};
+      std::vector<pollfd> ways{{front_, static_cast<short>(is_held_up_ ? 0 : POLLIN), 0}};
       for (const Host& host : hosts_) ways.push_back({host.back, POLLIN, 0});
       if (poll(ways.data(), ways.size(), 10) <= 0) continue;
       if (ways[0].revents != 0) pass_command();
@@ -118,6 +121,7 @@ class AnswerLosingRelay {
   std::vector<Host> hosts_;
   std::optional<unsigned> awaited_, last_trigger_;
   std::atomic<int> lost_ = 0;
+  std::atomic<bool> is_held_up_ = false;
   std::jthread thread_;
 };
 
@@ -138,26 +142,34 @@ class WithoutRawSockets {
   __user_cap_data_struct before_[2]{};
 };
 
-class AravisLostAnswers : public test::CameraTest {};
+class AravisLostAnswers : public test::CameraTest {
+ protected:
+  void SetUp() override {
+    if (!enter_own_network() || !add_own_address(relay_address))
+      GTEST_SKIP() << "needs a network of its own: run as root, or allow user namespaces";
+    settings_.address = relay_address;
+    // Each photosite tells the exposure, µs.
+    auto server = GigeCamera::start({.width_px = 128, .height_px = 96},
+                                    {.stage_mm = [] { return Vec2(0, 0); },
+                                     .wait_ready = [](const Vec2&) {},
+                                     .expose =
+                                         [](const virtual_bench::Exposure& exposure, std::span<std::uint16_t> dn) {
+                                           const long us = std::lround(exposure.exposure_s * 1e6);
+                                           std::ranges::fill(dn, static_cast<std::uint16_t>(us));
+                                         }});
+    ASSERT_TRUE(server) << server.error().message();
+    server_ = std::move(*server);
+    relay_.emplace();
+  }
+
+  CameraSettings settings_;
+  std::unique_ptr<GigeCamera> server_;
+  std::optional<AnswerLosingRelay> relay_;
+};
 
 TEST_F(AravisLostAnswers, ATriggerSentAgainGivesNoFrameToALaterOne) {
-  if (!enter_own_network() || !add_own_address(relay_address))
-    GTEST_SKIP() << "needs a network of its own: run as root, or allow user namespaces";
   const WithoutRawSockets as_an_ordinary_user;
-  // Each photosite tells the exposure, µs.
-  auto server = GigeCamera::start({.width_px = 128, .height_px = 96},
-                                  {.stage_mm = [] { return Vec2(0, 0); },
-                                   .wait_ready = [](const Vec2&) {},
-                                   .expose =
-                                       [](const virtual_bench::Exposure& exposure, std::span<std::uint16_t> dn) {
-                                         const long us = std::lround(exposure.exposure_s * 1e6);
-                                         std::ranges::fill(dn, static_cast<std::uint16_t>(us));
-                                       }});
-  ASSERT_TRUE(server) << server.error().message();
-  AnswerLosingRelay relay;
-  CameraSettings settings;
-  settings.address = relay_address;
-  const auto camera = open(settings);
+  const auto camera = open(settings_);
   ASSERT_NE(camera, nullptr);
   for (int k = 0; k < 6; ++k) {
     const int exposure_us = 1000 + 100 * k;
@@ -165,7 +177,17 @@ TEST_F(AravisLostAnswers, ATriggerSentAgainGivesNoFrameToALaterOne) {
     ASSERT_TRUE(image) << image.error().message();
     EXPECT_EQ(image->dn.front(), exposure_us);
   }
-  EXPECT_EQ(relay.lost(), 6);
+  EXPECT_EQ(relay_->lost(), 6);
+}
+
+TEST_F(AravisLostAnswers, ACameraThatIsSilentForATimeIsOpenedAllTheSame) {
+  relay_->hold_up(true);
+  EXPECT_THAT(refusal(settings_), testing::HasSubstr("no camera answers"));
+  const std::jthread other([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));  // the first look takes 0.5 s
+    relay_->hold_up(false);
+  });
+  EXPECT_EQ(refusal(settings_), "opened");
 }
 
 }  // namespace
