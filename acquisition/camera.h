@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,7 @@ namespace lumifield {
 struct CameraInfo {
   std::string vendor, model, serial, address;
   int sensor_width_px = 0, sensor_height_px = 0;
-  double frame_wait_s = 0;  ///< beyond its exposure, of a camera that runs free; 0: CameraSettings::readout_s says it
-  std::string found = {};   ///< settings that were found at opening, as the bench file spells them
+  std::string found = {};  ///< settings that were found at opening, as the bench file spells them
 };
 
 /// The role of a camera: one complete frame per call, exposed when asked. Thread-bound: opened, used and destroyed by
@@ -33,6 +33,13 @@ class Camera {
   /// Where the stage stands, told before every exposure of a scan. Nothing to a camera that sees what is before it; one
   /// that plays frames back gives those of that place.
   virtual void tell_place(const Vec2& stage_mm) { (void)stage_mm; }
+
+  /// What a frame takes beyond its exposure, about, on the mean over brackets of these, of a camera that runs free; 0
+  /// where CameraSettings::readout_s says it.
+  virtual double frame_wait_s(std::span<const double> exposures_s) const {
+    (void)exposures_s;
+    return 0;
+  }
 
   /// Incomplete frames taken again since opening.
   virtual int frames_retaken() const = 0;

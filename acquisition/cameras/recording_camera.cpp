@@ -27,6 +27,7 @@ class RecordingCamera final : public Camera {
     if (image && place_mm_) recording_->add(*image, exposure_s, *place_mm_);
     return image;
   }
+  double frame_wait_s(std::span<const double> exposures_s) const override { return camera_->frame_wait_s(exposures_s); }
   int frames_retaken() const override { return camera_->frames_retaken(); }
 
  private:

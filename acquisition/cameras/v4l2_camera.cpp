@@ -33,6 +33,7 @@ class V4l2Camera final : public Camera {
 
   const CameraInfo& info() const override { return info_; }
   Result<RawImage> expose(double exposure_s) override;
+  double frame_wait_s(std::span<const double> exposures_s) const override;
   int frames_retaken() const override { return frames_retaken_; }
 
  private:
@@ -42,6 +43,10 @@ class V4l2Camera final : public Camera {
   Status check_alive();
   Status apply_exposure(double exposure_s);
   Status fit_interval();
+  /// Whether after the longest exposure the interval is set back for this one.
+  bool gains_by_restart(double is_s, double exposure_s) const {
+    return 2 * (is_s - std::max(exposure_s, own_interval_s_)) >= restart_s;
+  }
   Status pass_over_arrived();
   Result<std::optional<RawImage>> judge(const V4l2Stream::Frame& frame);
   Status check_pace(const V4l2Stream::Frame& frame) const;
@@ -83,7 +88,6 @@ Status V4l2Camera::start() {
   picture_ = *picture;
   info_.sensor_width_px = picture_.width_px, info_.sensor_height_px = picture_.height_px;
   own_interval_s_ = picture_.frame_interval_s;
-  info_.frame_wait_s = (V4l2Freshness::frames_passed_over + 0.5) * own_interval_s_;
   Result<V4l2Controls> controls = V4l2Controls::apply(node_, settings_);
   if (!controls) return tl::unexpected(controls.error());
   controls_.emplace(std::move(*controls));
@@ -116,10 +120,24 @@ Status V4l2Camera::check_alive() {
 Status V4l2Camera::fit_interval() {
   const double is_s = picture_.frame_interval_s;
   const double wanted_s = std::max(exposure_s_, own_interval_s_);
-  if (is_s == 0 || (exposure_s_ <= is_s && 2 * (is_s - wanted_s) < restart_s)) return {};
+  if (is_s == 0 || (exposure_s_ <= is_s && !gains_by_restart(is_s, exposure_s_))) return {};
   stream_.reset();  // which few cameras change while they stream
   picture_.frame_interval_s = set_frame_interval(node_, wanted_s);
   return start_stream();
+}
+
+/// The question follows a frame: the next one may have begun before it, the second counts, and after a change as many
+/// are passed over first.
+double V4l2Camera::frame_wait_s(std::span<const double> exposures_s) const {
+  if (own_interval_s_ == 0 || exposures_s.empty()) return 0;
+  const double longest_s = std::max(own_interval_s_, *std::ranges::max_element(exposures_s));
+  const double intervals = 2 + (exposures_s.size() > 1 ? V4l2Freshness::frames_passed_over : 0);
+  double sum_s = 0;
+  for (const double exposure_s : exposures_s) {
+    const bool restarts = gains_by_restart(longest_s, exposure_s);
+    sum_s += restarts ? restart_s + intervals * std::max(own_interval_s_, exposure_s) : intervals * longest_s;
+  }
+  return sum_s / static_cast<double>(exposures_s.size());
 }
 
 Status V4l2Camera::apply_exposure(double exposure_s) {

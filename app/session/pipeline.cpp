@@ -59,11 +59,10 @@ Status scan(const ScanRequest& request, const ScanPlan& steps, const std::map<in
   if (Status opened = instruments.open(); !opened) return opened;
   outcome.camera = name_of(instruments.camera().info());
   outcome.stage = name_of(instruments.stage().info());
-  const Bench bench = at_the_pace_of(instruments.camera().info(), request.bench);
+  const Bench bench = at_the_pace_of(instruments.camera(), request.plan, request.bench);
   outcome.prediction = predict(bench, request.plan, steps, instruments.stage().info(), request.out,
                                request.recording ? request.recording->folder() : std::filesystem::path());
-  if (request.recording)
-    request.recording->tell([&] { pipeline.events.push(end_of_recording(*request.recording)); });
+  if (request.recording) request.recording->tell([&] { pipeline.events.push(end_of_recording(*request.recording)); });
   pipeline.events.push(*outcome.prediction);
 
   Scanner scanner(instruments.camera(), instruments.stage(), bench, request.plan);

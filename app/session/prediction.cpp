@@ -19,8 +19,8 @@ bool ScanPrediction::has_room() const {
   return !recording || !recording->free_bytes || *recording->free_bytes >= recording->bytes;
 }
 
-Bench at_the_pace_of(const CameraInfo& camera, Bench bench) {
-  bench.camera.readout_s = std::max(bench.camera.readout_s, camera.frame_wait_s);
+Bench at_the_pace_of(const Camera& camera, const Plan& plan, Bench bench) {
+  bench.camera.readout_s = std::max(bench.camera.readout_s, camera.frame_wait_s(plan.exposures_s));
   return bench;
 }
 

@@ -30,7 +30,7 @@ struct ScanPrediction {
 
 /// The bench as it is for predictions and for what counts as read-out, with a camera that is open: one that runs free
 /// is waited for.
-Bench at_the_pace_of(const CameraInfo& camera, Bench bench);
+Bench at_the_pace_of(const Camera& camera, const Plan& plan, Bench bench);
 
 /// Of `steps`; `stage` is open, `out` need not be there. `recorded`: the folder of the recorded frames; empty, there
 /// are none.

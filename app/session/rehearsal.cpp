@@ -71,7 +71,7 @@ Result<Rehearsal> run(const RehearsalRequest& request, std::stop_token stop,
   told.brightest_share = brightest_share(sink.shot, bench.sensor.saturation_dn);
   told.signal_dn_per_s = sink.signal_dn_per_s;
   told.took_s = scanner.timing().total_s;
-  told.scan = predict(at_the_pace_of(instruments.camera().info(), bench), request.plan, *whole,
+  told.scan = predict(at_the_pace_of(instruments.camera(), request.plan, bench), request.plan, *whole,
                       instruments.stage().info(), request.out);
   return told;
 }

@@ -316,7 +316,6 @@ TEST_F(V4l2Camera, AfterALongExposureTheFrameIntervalIsItsOwnAgain) {
     return node ? set_frame_interval(*node, 0) : 0;
   };
   const double own_s = interval_s();
-  EXPECT_DOUBLE_EQ(camera->info().frame_wait_s, 3.5 * own_s);
   ASSERT_TRUE(camera->expose(0.1));
   EXPECT_NEAR(interval_s(), 0.1, 1e-3);
   ASSERT_TRUE(camera->expose(0.001));
@@ -326,6 +325,18 @@ TEST_F(V4l2Camera, AfterALongExposureTheFrameIntervalIsItsOwnAgain) {
   ASSERT_TRUE(image) << image.error().message();
   EXPECT_EQ(wrong_photosites(*image, 0.001, 0, 0, 12), 0);
   EXPECT_NEAR(interval_s(), own_s, 1e-3);
+}
+
+TEST_F(V4l2Camera, TellsHowLongItsFramesAreWaitedFor) {
+  V4l2Double double_;
+  const auto camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  constexpr double own_s = 0.01;  // the double's frame interval
+  const auto wait_s = [&](std::vector<double> exposures_s) { return camera->frame_wait_s(exposures_s); };
+  EXPECT_NEAR(wait_s({0.005}), 2 * own_s, 1e-9) << "the one that is under way, and the next";
+  EXPECT_NEAR(wait_s({0.001, 0.005}), 5 * own_s, 1e-9) << "and those that a change needs";
+  EXPECT_NEAR(wait_s({0.001, 0.05}), 5 * 0.05, 1e-9) << "at the interval of the longest";
+  EXPECT_NEAR(wait_s({0.001, 1}), (0.4 + 5 * own_s + 5 * 1) / 2, 1e-9) << "or started anew";
 }
 
 TEST_F(V4l2Camera, OneThatExposesLessThanItSaysIsRefused) {
