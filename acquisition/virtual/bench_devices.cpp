@@ -16,8 +16,8 @@ Status start_camera(DeviceOptions& options, Devices& devices, const std::filesys
     camera.pixel_format = world.pixel_format, camera.serial = serial;
     camera.width_px = world.width_px, camera.height_px = world.height_px;
   };
-  look_at_world(options.camera);
-  options.camera.automatics = true;
+  look_at_world(options.camera.genicam);
+  options.camera.genicam.automatics = true;
   look_at_world(options.video);
   options.video.folder = folder / "video";
   const Sight sight{.stage_mm = [&] { return devices.exposed_at(); },
@@ -28,9 +28,7 @@ Status start_camera(DeviceOptions& options, Devices& devices, const std::filesys
                                                 e.offset_x_px, e.offset_y_px, dn);
                         }};
   if (options.camera_kind == "usb3") {
-    Usb3Camera::Options usb3{.genicam = {.automatics = true}};
-    look_at_world(usb3.genicam);
-    auto camera = Usb3Camera::start(*devices.usb, usb3, sight);
+    auto camera = Usb3Camera::start(*devices.usb, {.genicam = options.camera.genicam}, sight);
     if (!camera) return tl::unexpected(camera.error());
     settings.address = serial;
     devices.switch_camera = [camera = camera->get()](bool off) {

@@ -58,10 +58,6 @@ int open_description(const std::string& xml) {
   return -1;
 }
 
-GenicamOptions genicam(const GigeCameraOptions& options) {
-  return {options.serial, options.pixel_format, options.width_px, options.height_px, options.automatics, options.stuck};
-}
-
 /// The simulator's memory.
 class SimulatorMemory final : public RegisterMemory {
  public:
@@ -133,16 +129,17 @@ struct GigeCamera::Impl final : FrameLink {
 };
 
 Result<std::unique_ptr<GigeCamera>> GigeCamera::start(const GigeCameraOptions& options, Sight sight) {
-  if (Status checked = check(genicam(options)); !checked) return tl::unexpected(checked.error());
+  if (Status checked = check(options.genicam); !checked) return tl::unexpected(checked.error());
   if (auto free = check_address(options.address); !free) return tl::unexpected(free.error());
-  const int description = open_description(genicam_description(genicam(options)));
+  const int description = open_description(genicam_description(options.genicam));
   if (description < 0) return fail(std::string("no memory for the camera's description: ") + std::strerror(errno), "");
   const std::string description_path = "/proc/self/fd/" + std::to_string(description);
 
-  auto impl = std::make_unique<Impl>(genicam(options), std::move(sight));
-  impl->server.reset(ARV_GV_FAKE_CAMERA(g_object_new(
-      ARV_TYPE_GV_FAKE_CAMERA, "interface-name", options.address.c_str(), "serial-number", options.serial.c_str(),
-      "genicam-filename", description_path.c_str(), "gvsp-lost-ratio", options.lost_packet_ratio, nullptr)));
+  auto impl = std::make_unique<Impl>(options.genicam, std::move(sight));
+  impl->server.reset(ARV_GV_FAKE_CAMERA(g_object_new(ARV_TYPE_GV_FAKE_CAMERA, "interface-name", options.address.c_str(),
+                                                     "serial-number", options.genicam.serial.c_str(),
+                                                     "genicam-filename", description_path.c_str(), "gvsp-lost-ratio",
+                                                     options.lost_packet_ratio, nullptr)));
   close(description);
   if (!arv_gv_fake_camera_is_running(impl->server.get()))
     return fail("no network interface of this machine has the address", options.address,

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "acquisition/virtual/genicam_sensor.h"
 #include "luminaire/error.h"
@@ -11,13 +10,9 @@
 namespace lumifield::virtual_bench {
 
 struct GigeCameraOptions {
-  std::string address = "127.0.0.1";    ///< of a network interface of this machine
-  std::string serial = "LF0001";        ///< at most 15 characters
-  std::string pixel_format = "Mono12";  ///< the one the sensor delivers, of genicam_pixels.h
-  int width_px = 1024, height_px = 768;
-  double lost_packet_ratio = 0;         ///< share of stream packets that are not sent, 0…1
-  bool automatics = false;              ///< on at the start, and all `leftovers` of genicam_registers.h with them
-  std::vector<std::string> stuck = {};  ///< of the leftovers: keep the value of the start
+  std::string address = "127.0.0.1";  ///< of a network interface of this machine
+  double lost_packet_ratio = 0;       ///< share of stream packets that are not sent, 0…1
+  GenicamOptions genicam = {};
 };
 
 /// A GigE Vision camera (GVCP on port 3956, GVSP) on one address of this machine: Aravis' simulator with our GenICam

@@ -27,16 +27,17 @@ class AravisFormats : public test::CameraTest {
  protected:
   static void SetUpTestSuite() { enter_own_network(); }
 
-  void serve(virtual_bench::GigeCameraOptions options) {
+  void serve(virtual_bench::GenicamOptions options) {
     server_.reset();
     options.width_px = width, options.height_px = height;
     auto server = virtual_bench::GigeCamera::start(
-        options, {.stage_mm = [] { return Vec2(0, 0); },
-                  .wait_ready = [](const Vec2&) {},
-                  .expose =
-                      [](const virtual_bench::Exposure& e, std::span<std::uint16_t> dn) {
-                        for (std::size_t i = 0; i < dn.size(); ++i) dn[i] = site(i, e.exposure_s, e.gain_db);
-                      }});
+        {.genicam = options}, {.stage_mm = [] { return Vec2(0, 0); },
+                               .wait_ready = [](const Vec2&) {},
+                               .expose =
+                                   [](const virtual_bench::Exposure& e, std::span<std::uint16_t> dn) {
+                                     for (std::size_t i = 0; i < dn.size(); ++i)
+                                       dn[i] = site(i, e.exposure_s, e.gain_db);
+                                   }});
     ASSERT_TRUE(server) << server.error().message();
     server_ = std::move(*server);
   }

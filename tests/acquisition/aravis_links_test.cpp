@@ -30,14 +30,15 @@ class AravisLinks : public test::CameraTest {
   void TearDown() override { remember_packets("Lumifield Virtual LF0001 at 127.0.0.1", std::nullopt); }
 
   std::unique_ptr<GigeCamera> serve(const std::string& address, const std::string& serial, std::uint16_t number) {
-    auto server = GigeCamera::start({.address = address, .serial = serial, .width_px = 128, .height_px = 96},
-                                    {.stage_mm = [] { return Vec2(0, 0); },
-                                     .wait_ready = [](const Vec2&) {},
-                                     .expose =
-                                         [this, number](const virtual_bench::Exposure&, std::span<std::uint16_t> dn) {
-                                           ++exposures_;
-                                           std::ranges::fill(dn, number);
-                                         }});
+    auto server =
+        GigeCamera::start({.address = address, .genicam = {.serial = serial, .width_px = 128, .height_px = 96}},
+                          {.stage_mm = [] { return Vec2(0, 0); },
+                           .wait_ready = [](const Vec2&) {},
+                           .expose =
+                               [this, number](const virtual_bench::Exposure&, std::span<std::uint16_t> dn) {
+                                 ++exposures_;
+                                 std::ranges::fill(dn, number);
+                               }});
     EXPECT_TRUE(server) << server.error().message();
     return server ? std::move(*server) : nullptr;
   }

@@ -149,7 +149,7 @@ class AravisLostAnswers : public test::CameraTest {
       GTEST_SKIP() << "needs a network of its own: run as root, or allow user namespaces";
     settings_.address = relay_address;
     // Each photosite tells the exposure, µs.
-    auto server = GigeCamera::start({.width_px = 128, .height_px = 96},
+    auto server = GigeCamera::start({.genicam = {.width_px = 128, .height_px = 96}},
                                     {.stage_mm = [] { return Vec2(0, 0); },
                                      .wait_ready = [](const Vec2&) {},
                                      .expose =

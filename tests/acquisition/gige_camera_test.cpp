@@ -162,8 +162,8 @@ class GigeCameraTest : public testing::Test {
 
   void serve(const char* format, double loss = 0, bool automatics = false) {
     camera_.reset();
-    auto camera = GigeCamera::start({.pixel_format = format, .lost_packet_ratio = loss, .automatics = automatics},
-                                    world_.sight());
+    auto camera = GigeCamera::start(
+        {.lost_packet_ratio = loss, .genicam = {.pixel_format = format, .automatics = automatics}}, world_.sight());
     ASSERT_TRUE(camera) << camera.error().message();
     camera_ = std::move(*camera);
   }
@@ -418,8 +418,8 @@ TEST_F(GigeCameraTest, SaysThatTheAddressIsHeld) {
 TEST_F(GigeCameraTest, RefusesWhatCannotBe) {
   EXPECT_FALSE(GigeCamera::start({.address = "no address"}, world_.sight()));
   EXPECT_FALSE(GigeCamera::start({.address = "203.0.113.7"}, world_.sight()));
-  EXPECT_FALSE(GigeCamera::start({.pixel_format = "RGB10"}, world_.sight()));
-  EXPECT_FALSE(GigeCamera::start({.serial = "0123456789abcdef"}, world_.sight()));
+  EXPECT_FALSE(GigeCamera::start({.genicam = {.pixel_format = "RGB10"}}, world_.sight()));
+  EXPECT_FALSE(GigeCamera::start({.genicam = {.serial = "0123456789abcdef"}}, world_.sight()));
 }
 
 }  // namespace

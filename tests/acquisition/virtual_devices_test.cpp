@@ -196,7 +196,7 @@ TEST_P(CameraOnVirtualServer, GivesWhatTheSensorSaw) {
   static const bool is_alone = enter_own_network();
   if (!is_alone) GTEST_LOG_(INFO) << "no network namespace: on the machine's own 127.0.0.1";
   virtual_bench::GigeCameraOptions options;
-  options.pixel_format = GetParam();
+  options.genicam.pixel_format = GetParam();
   const auto dn = [](double exposure_s, double gain_db, std::size_t i) {
     return static_cast<std::uint16_t>((std::lround(exposure_s * 1e6) + std::lround(gain_db * 10) + long(i) * 7) &
                                       0xfff);
@@ -219,7 +219,7 @@ TEST_P(CameraOnVirtualServer, GivesWhatTheSensorSaw) {
   for (const double exposure_s : {0.002, 0.008, 0.032, 0.0021, 0.002}) {
     const Result<RawImage> image = (*camera)->expose(exposure_s);
     ASSERT_TRUE(image) << image.error().message();
-    ASSERT_EQ(image->dn.size(), std::size_t(options.width_px) * options.height_px);
+    ASSERT_EQ(image->dn.size(), std::size_t(options.genicam.width_px) * options.genicam.height_px);
     EXPECT_DOUBLE_EQ(image->exposure_s, exposure_s);
     EXPECT_EQ(image->gain, 1.5);
     EXPECT_EQ(image->bits, std::string(GetParam()) == "Mono16" ? 16 : 12);

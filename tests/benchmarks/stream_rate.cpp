@@ -56,7 +56,7 @@ int serve(int ready) {
   std::atomic<std::size_t> number = 0;
   const std::vector<std::uint16_t> dn = pattern();
   virtual_bench::GigeCameraOptions options;
-  options.width_px = width_px, options.height_px = height_px;
+  options.genicam.width_px = width_px, options.genicam.height_px = height_px;
   options.lost_packet_ratio = from_environment("LUMIFIELD_LOSS", 0);
   auto camera = virtual_bench::GigeCamera::start(
       options,
