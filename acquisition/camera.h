@@ -57,15 +57,23 @@ struct DeviceReport {
   bool usable = false;
   std::string reason, remedy;     ///< why not and what to do
   std::string capabilities = {};  ///< in words, of one that is usable: "Mono8, Mono12; 2048x1536 px; …"
+  std::string serial = {};        ///< where the device has one
+  std::string kind = {};          ///< as a bench file names it
 };
 
 /// Every camera that answers, usable or not. Takes about a second (GigE Vision discovery), and opens each for a moment,
 /// to ask what it can.
 std::vector<DeviceReport> find_cameras();
 
+/// That the kind of camera is known. Pure. Errors: it is not, with those that are.
+Status check_camera_kind(const CameraSettings& settings);
+
+/// That the pictures of an open camera have the size of the bench's camera model. Pure.
+Status check_picture(const CameraInfo& camera, const CameraModel& model);
+
 /// Opens the camera that a bench file names and takes so many frames. `reason` tells how many came
 /// broken, though the camera is usable then: they are taken again.
-DeviceReport try_camera(const CameraSettings& settings, int frames, double exposure_s);
+DeviceReport try_camera(const Bench& bench, int frames, double exposure_s);
 
 /// The camera that a bench file names, answering or not; it is not opened. `address` is as in find_cameras when it
 /// answers.

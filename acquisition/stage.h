@@ -48,6 +48,9 @@ class Stage {
 /// Errors: path or serial missing, busy, silent, garbage, an alarm that homing does not clear, kind unknown.
 Result<std::unique_ptr<Stage>> open_stage(const StageSettings& settings);
 
+/// That the kind of stage is known. Pure. Errors: it is not, with those that are.
+Status check_stage_kind(const StageSettings& settings);
+
 /// Serial ports that look like a stage (/dev/tty{USB,ACM}*), `path` if given, and controllers on USB, usable or not;
 /// none is stopped or reset.
 std::vector<DeviceReport> find_stages(const std::string& path = {});

@@ -14,8 +14,6 @@ namespace {
 
 constexpr std::string_view format = "lumifield-bench";
 constexpr int version = 1;
-constexpr std::string_view camera_kinds[] = {"aravis", "v4l2", "replay"};
-constexpr std::string_view stage_kinds[] = {"grbl", "apt", "replay"};
 constexpr std::string_view apt_controllers[] = {"kdc101", "bbd30x", "bsc20x"};
 constexpr std::string_view carried[] = {"slide", "lamp"};
 constexpr std::string_view changes[] = {"stage", "operator"};
@@ -24,7 +22,7 @@ constexpr BasisKind kinds[] = {BasisKind::box, BasisKind::tent, BasisKind::bell,
 
 CameraSettings read_camera(const JsonValue& at) {
   CameraSettings c;
-  c.kind = camera_kinds[at["kind"].choice_or(0, camera_kinds)];
+  c.kind = at["kind"].text_or(c.kind);
   c.address = at["address"].text();
   if (c.address.empty()) at["address"].refuse("is empty", "give a host address, an id, a serial number or a path");
   c.pixel_format = at["pixel_format"].text_or(c.pixel_format);
@@ -35,8 +33,16 @@ CameraSettings read_camera(const JsonValue& at) {
     at["packet_bytes"].refuse("is out of range", "give 576 to 65535, or 0 to have it found");
   c.packet_delay_us = at["packet_delay_us"].number_or(c.packet_delay_us, {0, 1e4});
   c.binning = at["binning"].integer_or(c.binning, 1, 16);
-  c.width_px = at["width_px"].integer_or(c.width_px, 0, 65536);
-  c.height_px = at["height_px"].integer_or(c.height_px, 0, 65536);
+  const auto side = [&](const char* name) {
+    return c.kind == "v4l2" || at[name].present() ? at[name].integer_or(0, 0, 65536) : 0;
+  };
+  c.width_px = side("width_px"), c.height_px = side("height_px");
+  const auto only = [&](std::string_view kind, const char* name, bool is_set) {
+    if (is_set && c.kind != kind && c.kind != "replay")  // which keeps what the recorded one had
+      at[name].note_no_effect("with the kind \"" + c.kind + "\"");
+  };
+  only("v4l2", "width_px", c.width_px != 0), only("v4l2", "height_px", c.height_px != 0);
+  only("aravis", "binning", c.binning != 1);
   return c;
 }
 
@@ -57,7 +63,7 @@ AptSettings read_apt(const JsonValue& at) {
 
 StageSettings read_stage(const JsonValue& at) {
   StageSettings s;
-  s.kind = stage_kinds[at["kind"].choice_or(0, stage_kinds)];
+  s.kind = at["kind"].text_or(s.kind);
   if (s.kind == "apt")
     s.apt = read_apt(at["apt"]);
   else

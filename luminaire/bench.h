@@ -16,7 +16,7 @@ namespace lumifield {
 /// Every member that the file may leave out has its default here; `lumifield check` prints them. Value types.
 
 struct CameraSettings {
-  std::string kind = "aravis";          ///< "aravis" | "v4l2" | "replay"
+  std::string kind = "aravis";          ///< of those in acquisition/cameras/cameras.cpp
   std::string address;                  ///< host address, id, serial or path, by kind
   std::string pixel_format = "Mono12";  ///< GenICam spelling
   double gain = 0;                      ///< dB; the number that it counts, of v4l2 and of a camera that tells no dB
@@ -40,7 +40,7 @@ struct AptSettings {
 };
 
 struct StageSettings {
-  std::string kind = "grbl";      ///< "grbl" | "apt" | "replay"
+  std::string kind = "grbl";      ///< of those in acquisition/stages/stages.cpp
   std::string path;               ///< grbl: serial device; replay: a folder of frames
   double rapid_mm_s = 0;          ///< speed used for predictions; 0 = ask the controller. apt: set on it, too
   double acceleration_mm_s2 = 0;  ///< as the speed

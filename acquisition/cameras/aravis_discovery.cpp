@@ -26,17 +26,18 @@ GvcpAnswer probe_patiently(const std::string& ip) {
   return answer;
 }
 
-/// Asks the camera itself, which shows too whether it can be opened.
-void ask_capabilities(DeviceReport& report) {
+/// Asks the camera itself, which shows too whether it can be opened, and whether it offers what the bench file asks
+/// for.
+void ask_capabilities(DeviceReport& report, const CameraSettings* settings = nullptr) {
   if (!report.usable) return;
   const bool is_gige = is_ipv4_address(report.address);
   const Result<CameraHandle> camera = take_control({report.address, is_gige ? report.address : ""}, report.address);
   const Result<std::string> can =
       camera ? capabilities_of(camera->get(), report.address) : tl::unexpected(camera.error());
-  if (can)
-    report.capabilities = *can;
-  else
-    report.usable = false, report.reason = can.error().what, report.remedy = can.error().remedy;
+  if (can) report.capabilities = *can;
+  Status offered = can ? Status() : tl::unexpected(can.error());
+  if (offered && settings != nullptr) offered = check_offered(camera->get(), *settings);
+  if (!offered) report.usable = false, report.reason = offered.error().what, report.remedy = offered.error().remedy;
 }
 
 bool is_gige(guint i) { return text_or_empty(arv_get_device_protocol(i)) == "GigEVision"; }
@@ -44,8 +45,9 @@ bool is_gige(guint i) { return text_or_empty(arv_get_device_protocol(i)) == "Gig
 DeviceReport report_of(guint i) {
   DeviceReport report;
   report.role = "camera";
-  report.name = text_or_empty(arv_get_device_vendor(i)) + " " + text_or_empty(arv_get_device_model(i)) + " " +
-                text_or_empty(arv_get_device_serial_nbr(i));
+  report.serial = text_or_empty(arv_get_device_serial_nbr(i));
+  report.name =
+      text_or_empty(arv_get_device_vendor(i)) + " " + text_or_empty(arv_get_device_model(i)) + " " + report.serial;
   if (!is_gige(i)) {
     report.address = text_or_empty(arv_get_device_id(i));
     report.usable = true;
@@ -89,7 +91,7 @@ DeviceReport probe_aravis_camera(const CameraSettings& settings) {
   if (!at) return unusable(at.error());
   for (DeviceReport& report : discover()) {
     if (report.address != at->name) continue;
-    ask_capabilities(report);
+    ask_capabilities(report, &settings);
     return std::move(report);
   }
 
@@ -99,7 +101,7 @@ DeviceReport probe_aravis_camera(const CameraSettings& settings) {
   if (answer.presence != GvcpPresence::present) return unusable(not_there(settings.address, answer.presence).value());
   if (answer.controlled) return unusable(held_by_another(settings.address).value());
   DeviceReport report{"camera", {}, at->ipv4, true, {}, {}};
-  ask_capabilities(report);
+  ask_capabilities(report, &settings);
   return report;
 }
 

@@ -13,6 +13,46 @@ namespace {
 constexpr int longest_side_px = 1 << 16;
 constexpr double us_per_s = 1e6;
 
+tl::unexpected<Error> error(const CameraSettings& settings, std::string what, std::string remedy) {
+  return fail(std::move(what), "camera " + settings.address, std::move(remedy));
+}
+
+Status check_pixel_format(ArvCamera* camera, const CameraSettings& settings) {
+  const std::string& wanted = settings.pixel_format;
+  const Result<std::vector<std::string>> offered = usable_pixel_formats(camera, settings);
+  if (!offered) return tl::unexpected(offered.error());
+  std::string usable;
+  for (const std::string& name : *offered) usable.append(usable.empty() ? "" : ", ").append(name);
+  const std::string remedy = usable.empty() ? "use a camera that gives its photosites" : "choose one of " + usable;
+  for (const char* family : {"YUV", "YCbCr"})
+    if (wanted.starts_with(family))
+      return error(settings, "gives in \"" + wanted + "\" sums of colours for screens: no measurement", remedy);
+  if (std::ranges::find(*offered, wanted) == offered->end())
+    return error(settings, "does not offer the pixel format \"" + wanted + "\"", remedy);
+  return {};
+}
+
+std::string binning_of(int side) { return "a binning of " + std::to_string(side) + "x" + std::to_string(side); }
+
+/// Whether there is any.
+Result<bool> check_binning(ArvCamera* camera, const CameraSettings& settings) {
+  GFault fault;
+  const bool is_there = arv_camera_is_binning_available(camera, fault.out());
+  if (fault) return refused(settings, "a question for its binning", fault);
+  if (!is_there && settings.binning != 1)
+    return error(settings, "has no binning to set", "set \"binning\": 1 in the bench file");
+  if (!is_there) return false;
+  gint low_x = 0, high_x = 0, low_y = 0, high_y = 0;
+  arv_camera_get_x_binning_bounds(camera, &low_x, &high_x, fault.out());
+  arv_camera_get_y_binning_bounds(camera, &low_y, &high_y, fault.out());
+  const int low = std::max(low_x, low_y), high = std::min(high_x, high_y);
+  if (!fault && (settings.binning < low || settings.binning > high))
+    return error(settings, binning_of(settings.binning) + " is out of its range",
+                 "choose one from " + std::to_string(low) + " to " + std::to_string(high));
+  if (fault) return refused(settings, "a question for its binning", fault);
+  return true;
+}
+
 struct Applying {
   ArvCamera* camera;
   const CameraSettings& settings;
@@ -27,56 +67,39 @@ struct Applying {
   Status trigger();
 
   tl::unexpected<Error> error(std::string what, std::string remedy) const {
-    return fail(std::move(what), "camera " + settings.address, std::move(remedy));
+    return lumifield::error(settings, std::move(what), std::move(remedy));
   }
 };
 
 Status Applying::pixel_format() {
   const std::string& wanted = settings.pixel_format;
-  const Result<std::vector<std::string>> offered = usable_pixel_formats(camera, settings);
-  if (!offered) return tl::unexpected(offered.error());
-  std::string usable;
-  for (const std::string& name : *offered) usable.append(usable.empty() ? "" : ", ").append(name);
-  const std::string remedy = usable.empty() ? "use a camera that gives its photosites" : "choose one of " + usable;
-  for (const char* family : {"YUV", "YCbCr"})
-    if (wanted.starts_with(family))
-      return error("gives in \"" + wanted + "\" sums of colours for screens: no measurement", remedy);
-  if (std::ranges::find(*offered, wanted) == offered->end())
-    return error("does not offer the pixel format \"" + wanted + "\"", remedy);
-
+  if (Status offered = check_pixel_format(camera, settings); !offered) return offered;
   GFault fault;
   arv_camera_set_pixel_format_from_string(camera, wanted.c_str(), fault.out());
   const std::string taken = text_or_empty(arv_camera_get_pixel_format_as_string(camera, fault.out()));
   applied.format = arv_camera_get_pixel_format(camera, fault.out());
   if (fault) return refused(settings, "the pixel format " + wanted, fault);
-  if (taken != wanted) return error("took the pixel format " + taken + " for " + wanted, remedy);
+  if (taken != wanted)
+    return error("took the pixel format " + taken + " for " + wanted, "choose another one that it offers");
   applied.layout = *pixel_layout(wanted);
   return {};
 }
 
 Status Applying::binning() {
+  const Result<bool> is_there = check_binning(camera, settings);
+  if (!is_there) return tl::unexpected(is_there.error());
+  if (!*is_there) return {};
   GFault fault;
   const int wanted = settings.binning;
-  const bool is_there = arv_camera_is_binning_available(camera, fault.out());
-  if (fault) return refused(settings, "a question for its binning", fault);
-  if (!is_there) {
-    if (wanted == 1) return {};
-    return error("has no binning to set", "set \"binning\": 1 in the bench file");
-  }
-  gint low_x = 0, high_x = 0, low_y = 0, high_y = 0, columns = 0, rows = 0;
-  arv_camera_get_x_binning_bounds(camera, &low_x, &high_x, fault.out());
-  arv_camera_get_y_binning_bounds(camera, &low_y, &high_y, fault.out());
-  const std::string text = "a binning of " + std::to_string(wanted) + "x" + std::to_string(wanted);
-  if (!fault && (wanted < std::max(low_x, low_y) || wanted > std::min(high_x, high_y)))
-    return error(text + " is out of its range", "choose one from " + std::to_string(std::max(low_x, low_y)) + " to " +
-                                                    std::to_string(std::min(high_x, high_y)));
+  gint columns = 0, rows = 0;
   GFault ignored;  // a camera that does not take it may have it already: what is read back counts
   arv_camera_set_binning(camera, wanted, wanted, ignored.out());
   arv_camera_get_binning(camera, &columns, &rows, fault.out());
-  if (fault) return refused(settings, text, fault);
+  if (fault) return refused(settings, binning_of(wanted), fault);
   if (columns != wanted || rows != wanted)
-    return error("took a binning of " + std::to_string(columns) + "x" + std::to_string(rows) + " for " + text,
-                 "choose one that it offers");
+    return error(
+        "took a binning of " + std::to_string(columns) + "x" + std::to_string(rows) + " for " + binning_of(wanted),
+        "choose one that it offers");
   return {};
 }
 
@@ -144,6 +167,12 @@ Result<std::vector<std::string>> usable_pixel_formats(ArvCamera* camera, const C
   if (fault) return refused(settings, "a question for its pixel formats", fault);
   std::erase_if(usable, [](const std::string& name) { return !pixel_layout(name); });
   return usable;
+}
+
+Status check_offered(ArvCamera* camera, const CameraSettings& settings) {
+  if (Status offered = check_pixel_format(camera, settings); !offered) return offered;
+  const Result<bool> bins = check_binning(camera, settings);
+  return bins ? Status() : tl::unexpected(bins.error());
 }
 
 Result<AppliedSettings> apply_settings(ArvCamera* camera, const CameraSettings& settings) {

@@ -49,6 +49,9 @@ struct AppliedSettings {
 /// Those of its pixel formats that can be measured with, in its order.
 Result<std::vector<std::string>> usable_pixel_formats(ArvCamera* camera, const CameraSettings& settings);
 
+/// That the camera offers the pixel format and the binning, as far as can be told without setting anything.
+Status check_offered(ArvCamera* camera, const CameraSettings& settings);
+
 /// Sets mirrors off, pixel format, binning, full region, automatics off (aravis_automatics.h), gain (aravis_gain.h) and
 /// software trigger, and reads them back. Errors: a value that the camera does not offer, with those it does; one that
 /// it took otherwise.

@@ -99,12 +99,8 @@ Status verify_off(const V4l2Node& node) {
 }
 
 Result<double> set_gain(const V4l2Node& node, double gain) {
-  const auto control = find(node, V4L2_CID_GAIN);
-  if (!control && gain == 0) return 0.0;
-  if (!control) return node.error("has no gain to set", "set \"gain\": 0 in the bench file");
-  const std::string range = std::to_string(control->minimum) + " to " + std::to_string(control->maximum);
-  if (gain != std::round(gain) || gain < control->minimum || gain > control->maximum)
-    return node.error("its gain control has no " + say(gain), "choose a whole number from " + range);
+  if (Status offered = V4l2Controls::check_gain(node, gain); !offered) return tl::unexpected(offered.error());
+  if (!find(node, V4L2_CID_GAIN)) return 0.0;
   if (const int failure = write(node, V4L2_CID_GAIN, static_cast<int>(gain)); failure != 0)
     return node.refused("a gain of " + std::to_string(static_cast<int>(gain)), failure);
   const std::optional<int> taken = read(node, V4L2_CID_GAIN);
@@ -143,6 +139,16 @@ std::string V4l2Controls::shortcoming(const V4l2Node& node) {
     return node.error("its " + std::string(automatic.name) + " cannot be switched off", {});
   });
   return found ? "" : found.error().what;
+}
+
+Status V4l2Controls::check_gain(const V4l2Node& node, double gain) {
+  const auto control = find(node, V4L2_CID_GAIN);
+  if (!control && gain == 0) return {};
+  if (!control) return node.error("has no gain to set", "set \"gain\": 0 in the bench file");
+  if (gain == std::round(gain) && gain >= control->minimum && gain <= control->maximum) return {};
+  return node.error(
+      "its gain control has no " + say(gain),
+      "choose a whole number from " + std::to_string(control->minimum) + " to " + std::to_string(control->maximum));
 }
 
 std::string V4l2Controls::capabilities(const V4l2Node& node) {

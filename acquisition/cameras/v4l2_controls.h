@@ -24,6 +24,8 @@ class V4l2Controls {
   bool have_gamma() const { return have_gamma_; }
   /// What would make apply() refuse a camera, as far as can be told without changing it; empty when nothing.
   static std::string shortcoming(const V4l2Node& node);
+  /// That its gain can be set to this number.
+  static Status check_gain(const V4l2Node& node, double gain);
   /// "exposures of 0.0001 to 1 s; gain 0 to 100, not in dB", of a camera without shortcoming.
   static std::string capabilities(const V4l2Node& node);
 

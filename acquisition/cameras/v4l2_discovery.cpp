@@ -75,6 +75,12 @@ DeviceReport probe_v4l2_camera(const CameraSettings& settings) {
   const Result<V4l2Node> node = V4l2Node::open(settings.address);
   if (!node) return unusable(settings.address, node.error());
   DeviceReport report = report_of(*node);
+  if (report.usable) {
+    Status offered = V4l2Controls::check_gain(*node, settings.gain);
+    if (const auto format = choose_format(*node, settings.pixel_format); !format)
+      offered = tl::unexpected(format.error());
+    if (!offered) report.usable = false, report.reason = offered.error().what, report.remedy = offered.error().remedy;
+  }
   std::error_code ignored;
   if (const fs::path device = fs::canonical(settings.address, ignored); !device.empty()) report.address = device;
   return report;

@@ -45,6 +45,8 @@ std::vector<Size> sizes_of(const V4l2Node& node, std::uint32_t fourcc) {
   return sizes;
 }
 
+}  // namespace
+
 Result<V4l2PixelFormat> choose_format(const V4l2Node& node, const std::string& wanted) {
   const V4l2Formats offered = v4l2_formats(node);
   if (std::ranges::find(offered.compressed, wanted) != offered.compressed.end())
@@ -59,8 +61,6 @@ Result<V4l2PixelFormat> choose_format(const V4l2Node& node, const std::string& w
     return node.error("does not offer the pixel format \"" + wanted + "\"", "choose one of " + offered.names());
   return *chosen;
 }
-
-}  // namespace
 
 std::string V4l2Formats::names() const {
   std::vector<std::string> once;

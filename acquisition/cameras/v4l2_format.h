@@ -38,9 +38,13 @@ V4l2Formats v4l2_formats(const V4l2Node& node);
 /// "; 2592x1944 px" of the usable ones; "" where the camera lists no sizes.
 std::string largest_picture(const V4l2Node& node, const V4l2Formats& formats);
 
-/// Sets pixel format and size and reads them back. Of formats with the same DN the unpacked one is taken; of the sizes
-/// the largest, unless the settings name one. Errors: a format or size not offered, with those that are; a compressed
-/// one; interlaced pictures; held by another program.
+/// Of the formats with this GenICam name, which have the same DN, the unpacked one. Errors: not offered, with those
+/// that are; a compressed one.
+Result<V4l2PixelFormat> choose_format(const V4l2Node& node, const std::string& wanted);
+
+/// Sets pixel format and size and reads them back. Of the sizes the largest is taken, unless the settings name one.
+/// Errors: those of choose_format; a size not offered, with those that are; interlaced pictures; held by another
+/// program.
 Result<V4l2Picture> set_picture(const V4l2Node& node, const CameraSettings& settings);
 
 /// Asks for this time from one frame to the next, or for nothing with 0. A camera may need one as long as the exposure.

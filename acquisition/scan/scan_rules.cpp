@@ -1,6 +1,5 @@
 #include "acquisition/scan/scan_rules.h"
 
-#include <Eigen/Eigenvalues>  // operatorNorm
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <cstdint>
 
 #include "acquisition/scan/exposure_ladder.h"
+#include "acquisition/stage.h"
 #include "luminaire/wording.h"
 
 namespace lumifield {
@@ -18,6 +18,7 @@ constexpr std::int64_t most_cells = 100'000;
 constexpr double longest_exposure_s = 10;
 constexpr int widest_window = 64;
 constexpr double scale_tolerance = 0.01;
+using Box = Eigen::AlignedBox<double, 2>;
 constexpr double rounding = 1e-9;  // of positions and their ratios, never of a measured length
 
 const char* axis_name(int axis) { return axis == 0 ? "x" : "y"; }
@@ -112,6 +113,16 @@ Status check_bench_numbers(const Bench& bench) {
   return {};
 }
 
+Status check_travel(const Bench& bench) {
+  if (bench.stage.kind != "apt") return {};
+  const Vec2 far = bench.stage.apt.direction.cwiseProduct(bench.stage.apt.travel_mm);
+  const Box travel(far.cwiseMin(Vec2::Zero()), far.cwiseMax(Vec2::Zero()));
+  if (travel.contains(Box(bench.limits.low_mm, bench.limits.high_mm))) return {};
+  return fail(
+      "the limits go beyond the travel, which is " + say(Vec2(travel.min())) + " to " + say(Vec2(travel.max())) + " mm",
+      "bench: limits_mm", "set them within it, or correct stage.apt.travel_mm and direction");
+}
+
 Status check_scales(const FilterSlide& filter) {
   const int support = Basis(filter.basis).overlap();
   if (filter.window < support || filter.window > widest_window)
@@ -183,7 +194,14 @@ GridSize needed_grid(const Bench& bench, const Plan& plan) {
   return {count(0), count(1)};
 }
 
+Status check_devices(const Bench& bench) {
+  if (Status known = check_camera_kind(bench.camera); !known) return known;
+  if (Status known = check_stage_kind(bench.stage); !known) return known;
+  return check_travel(bench);
+}
+
 Status check_rules(const Bench& bench, const Plan& plan) {
+  if (Status status = check_travel(bench); !status) return status;
   if (Status status = check_grid(plan); !status) return status;
   if (Status status = check_times(plan); !status) return status;
   if (Status status = check_stabilisation(plan); !status) return status;
@@ -206,8 +224,6 @@ Status check_rules(const Bench& bench, const Plan& plan) {
 }
 
 namespace {
-
-using Box = Eigen::AlignedBox<double, 2>;
 
 void extend(Box& box, const CellStep& step) {
   for (const Vec2& target : step.stage_mm) box.extend(target);

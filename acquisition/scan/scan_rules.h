@@ -23,7 +23,10 @@ struct GridSize {
 };
 GridSize needed_grid(const Bench& bench, const Plan& plan);
 
-/// Everything but the stage's limits.
+/// That the kinds of camera and stage are known, and that the limits lie within the travel that the bench file tells.
+Status check_devices(const Bench& bench);
+
+/// Everything but the stage's limits and what the devices are.
 Status check_rules(const Bench& bench, const Plan& plan);
 
 /// Every target of the steps, and where it is approached from, against bench.limits.

@@ -114,4 +114,12 @@ std::optional<AptScale> apt_scale(const std::string& controller) {
   return std::nullopt;
 }
 
+std::string apt_controller(const std::string& model) {
+  constexpr std::pair<std::string_view, const char*> known[] = {
+      {"KDC", "kdc101"}, {"TDC", "kdc101"}, {"BBD", "bbd30x"}, {"BSC2", "bsc20x"}};
+  for (const auto& [begin, controller] : known)
+    if (model.starts_with(begin)) return controller;
+  return {};
+}
+
 }  // namespace lumifield

@@ -108,5 +108,7 @@ struct AptScale {
 };
 /// "kdc101" | "bbd30x" | "bsc20x" of AptSettings::controller.
 std::optional<AptScale> apt_scale(const std::string& controller);
+/// AptSettings::controller of a model, as the hardware names itself; empty where it is not known.
+std::string apt_controller(const std::string& model);
 
 }  // namespace lumifield

@@ -19,6 +19,14 @@ using std::chrono::milliseconds;
 constexpr milliseconds stop_time(3000);  // even slow stages brake from full speed in less
 constexpr milliseconds poll_period(5);
 
+/// Of another kind speeds have other units, and questions no answer.
+Status check_controller(const AptHardware& hardware, const AptSettings& settings) {
+  const std::string controller = apt_controller(hardware.model);
+  if (controller.empty() || controller == settings.controller) return {};
+  return fail("is a " + hardware.model + ", which the bench file calls " + settings.controller,
+              std::to_string(hardware.serial), "set stage.apt.controller to \"" + controller + "\"");
+}
+
 class AptStage final : public Stage {
  public:
   AptStage(std::vector<std::unique_ptr<AptUnit>> units, const AptSettings& settings);
@@ -66,6 +74,7 @@ Status AptStage::prepare(const StageSettings& settings) {
   for (const auto& unit : units_) {
     const Result<AptHardware> hardware = unit->identify();
     if (!hardware) return tl::unexpected(hardware.error());
+    if (Status fits = check_controller(*hardware, settings.apt); !fits) return fits;
     info_.firmware += (info_.firmware.empty() ? "" : ", ") + hardware->model + " " + hardware->firmware;
   }
   halt();
@@ -169,18 +178,20 @@ void AptStage::halt() {
   for (AptAxis& axis : axes_) axis.stop_now();
 }
 
-/// `known`: its name, as far as USB tells it.
-DeviceReport ask(const std::string& serial, const std::string& known) {
+/// `known`: its name, as far as USB tells it. `settings`: of a bench file, where one names it.
+DeviceReport ask(const std::string& serial, const std::string& known, const AptSettings* settings = nullptr) {
   const Result<std::unique_ptr<AptUnit>> unit = AptUnit::open(serial);
   const Result<AptHardware> hardware = unit ? (*unit)->identify() : tl::unexpected(unit.error());
   if (!hardware) return {"stage", known, serial, false, hardware.error().what, hardware.error().remedy};
-  return {"stage",
-          "Thorlabs " + hardware->model + " " + std::to_string(hardware->serial),
-          serial,
-          true,
-          {},
-          {},
-          "firmware " + hardware->firmware + "; channels: " + std::to_string(hardware->channels)};
+  DeviceReport report{"stage", "Thorlabs " + hardware->model + " " + std::to_string(hardware->serial), serial, true, {},
+                      {}};
+  report.serial = serial;
+  report.capabilities = "firmware " + hardware->firmware + "; channels: " + std::to_string(hardware->channels);
+  if (const std::string controller = apt_controller(hardware->model); !controller.empty())
+    report.capabilities += "; controller " + controller;
+  const Status fits = settings != nullptr ? check_controller(*hardware, *settings) : Status();
+  if (!fits) report.usable = false, report.reason = fits.error().what, report.remedy = fits.error().remedy;
+  return report;
 }
 
 }  // namespace
@@ -220,10 +231,11 @@ DeviceReport probe_apt_stage(const StageSettings& settings) {
     list.append(list.empty() ? "" : between).append(text);
   };
   for (const std::string& serial : settings.apt.serials) {
-    const DeviceReport one = ask(serial, {});
+    const DeviceReport one = ask(serial, {}, &settings.apt);
     if (!one.usable) return one;
     add(both.name, one.name, ", "), add(both.address, serial, ", ");
-    add(both.capabilities, one.capabilities, " | ");
+    if (one.capabilities != both.capabilities) add(both.capabilities, one.capabilities, " | ");
+    add(both.serial, serial, ", ");
   }
   return both;
 }

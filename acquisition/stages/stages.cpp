@@ -42,16 +42,26 @@ Result<std::unique_ptr<Stage>> open_stage(const StageSettings& settings) {
   return kind->open(settings);
 }
 
+Status check_stage_kind(const StageSettings& settings) {
+  const Result<StageKind> kind = kind_of(settings);
+  return kind ? Status() : tl::unexpected(kind.error());
+}
+
 DeviceReport probe_stage(const StageSettings& settings) {
   const Result<StageKind> kind = kind_of(settings);
   if (!kind) return {"stage", {}, settings.path, false, kind.error().what, kind.error().remedy};
-  return kind->probe(settings);
+  DeviceReport report = kind->probe(settings);
+  report.kind = kind->name;
+  return report;
 }
 
 std::vector<DeviceReport> find_stages(const std::string& path) {
   std::vector<DeviceReport> reports;
   for (const StageKind& kind : kinds)
-    for (DeviceReport& report : kind.find(path)) reports.push_back(std::move(report));
+    for (DeviceReport& report : kind.find(path)) {
+      report.kind = kind.name;
+      reports.push_back(std::move(report));
+    }
   return reports;
 }
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
+#include "acquisition/scan/scan_rules.h"
 #include "app/cli/commands.h"
 #include "app/cli/noted_files.h"
 #include "app/cli/print_result.h"
@@ -111,6 +112,13 @@ void take(Finding& finding, const Result<T>& read) {
   if (!read) finding.problems.push_back(read.error().message());
 }
 
+void check_bench(Finding& finding) {
+  const Result<Bench> bench = read_bench(finding.path, &finding.notes);
+  take(finding, bench);
+  if (!bench) return;
+  if (const Status usable = check_devices(*bench); !usable) finding.problems.push_back(usable.error().message());
+}
+
 /// With its environment, which is read late, and of which the scene itself says nothing.
 void check_scene(Finding& finding) {
   const Result<Scene> scene = read_scene(finding.path, &finding.notes);
@@ -127,7 +135,7 @@ Finding check_file(const std::string& path) {
   }
   finding.kind = *format;
   if (*format == "lumifield-bench")
-    take(finding, read_bench(path, &finding.notes));
+    check_bench(finding);
   else if (*format == "lumifield-plan")
     take(finding, read_plan(path, &finding.notes));
   else if (*format == "lumifield-scene")

@@ -59,9 +59,13 @@ std::vector<Found> find_devices(const DevicesOptions& options) {
   for (DeviceReport& camera : find_cameras()) found.push_back({std::move(camera), ""});
   if (named) {
     const CameraSettings& camera = (*bench)->camera;
-    name_by_bench(found,
-                  options.frames > 0 ? try_camera(camera, options.frames, options.exposure_s) : probe_camera(camera),
-                  options.bench);
+    DeviceReport probed = probe_camera(camera);
+    if (probed.usable && options.frames > 0) {
+      const DeviceReport tried = try_camera(**bench, options.frames, options.exposure_s);
+      probed.usable = tried.usable, probed.reason = tried.reason, probed.remedy = tried.remedy;
+      if (!tried.usable && tried.reason.starts_with("an exposure of")) probed.remedy += "; --exposure names another";
+    }
+    name_by_bench(found, std::move(probed), options.bench);
   }
   for (DeviceReport& stage : find_stages(options.stage_path)) found.push_back({std::move(stage), ""});
   if (named) name_by_bench(found, probe_stage((*bench)->stage), options.bench);
@@ -76,7 +80,10 @@ void print(const Found& found) {
   const std::string place = d.name.empty() || d.address.empty() ? d.address : " at " + d.address;
   std::printf("%-7s %-11s %s%s%s\n", d.role.c_str(), d.usable ? "usable" : "not usable", d.name.c_str(), place.c_str(),
               found.bench.empty() ? "" : (" (named in " + found.bench + ")").c_str());
-  if (!d.capabilities.empty()) std::printf("%20s%s\n", "", d.capabilities.c_str());
+  std::string what = d.kind;
+  if (!d.serial.empty()) what += ", serial " + d.serial;
+  if (!d.capabilities.empty()) what += "; " + d.capabilities;
+  if (!what.empty()) std::printf("%20s%s\n", "", what.c_str());
   const std::string remedy = d.remedy.empty() ? "" : "; " + d.remedy;
   if (!d.reason.empty()) std::printf("%20s%s%s\n", "", d.reason.c_str(), remedy.c_str());
 }
@@ -94,6 +101,8 @@ int run_devices(const DevicesOptions& options) {
                     {"name", d.name},
                     {"address", d.address},
                     {"usable", d.usable},
+                    {"kind", d.kind},
+                    {"serial", d.serial},
                     {"capabilities", d.capabilities},
                     {"reason", d.reason},
                     {"remedy", d.remedy},

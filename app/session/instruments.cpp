@@ -81,6 +81,10 @@ Status Instruments::open_camera() {
   auto camera = open_shown([&] { return devices_.camera(bench_.camera); },
                            [&](DeviceView now) { view_.set_camera(std::move(now)); });
   if (!camera) return tl::unexpected(camera.error());
+  if (Status fits = check_picture((*camera)->info(), bench_.camera_model); !fits) {
+    view_.set_camera({DeviceView::Link::failed, "", fits.error().message()});
+    return fits;
+  }
   camera_ = std::move(*camera);
   return {};
 }

@@ -36,6 +36,30 @@ TEST(ScanRules, LimitsSayAxisExcessAndWhatIsNeeded) {
   EXPECT_THAT(refusal(bench, bell_plan()).what, HasSubstr("stage y from -22.5 to 90 mm, 2.5 mm below the low limit"));
 }
 
+TEST(ScanRules, LimitsOfThorlabsStagesLieWithinTheirTravel) {
+  Bench bench = bell_bench();
+  bench.stage.kind = "apt";
+  bench.stage.apt.travel_mm = {130, 100};
+  bench.stage.apt.direction = {1, -1};
+  bench.limits = {{0, -100}, {130, 0}};
+  EXPECT_TRUE(check_devices(bench));
+  bench.limits.high_mm.y() = 1;
+  EXPECT_THAT(refusal(bench, bell_plan()).what,
+              HasSubstr("the limits go beyond the travel, which is (0, -100) to (130, 0) mm"));
+  bench.stage.kind = "grbl";
+  EXPECT_TRUE(check_devices(bench));
+}
+
+TEST(ScanRules, KindsOfDevicesAreKnown) {
+  Bench bench = bell_bench();
+  bench.camera.kind = "usb3";
+  EXPECT_THAT(check_devices(bench).error().message(),
+              testing::AllOf(HasSubstr("\"usb3\""), HasSubstr("aravis (GigE Vision and USB3 Vision)")));
+  bench = bell_bench();
+  bench.stage.kind = "hexapod";
+  EXPECT_THAT(check_devices(bench).error().message(), testing::AllOf(HasSubstr("\"hexapod\""), HasSubstr("grbl")));
+}
+
 TEST(ScanRules, LimitsHoldWhereTargetsAreApproachedFrom) {
   Bench bench = bell_bench();
   bench.limits = {{-30, -22.5}, {120, 90}};

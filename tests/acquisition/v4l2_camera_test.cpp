@@ -216,6 +216,11 @@ TEST_F(V4l2Camera, IsProbedWithWhatItCan) {
   EXPECT_EQ(report.capabilities,
             "Mono12, Mono10, Mono8, YUV422_8; 64x48 px; exposures of 0.0001 to 10 s; gain 0 to 240, not in dB");
   EXPECT_EQ(report.address, double_.path());
+  CameraSettings loud = double_.settings(), other = double_.settings();
+  loud.gain = 5000, other.pixel_format = "Mono14";
+  EXPECT_THAT(probe_camera(loud).reason, HasSubstr("its gain control has no 5000"));
+  EXPECT_THAT(probe_camera(other).reason, HasSubstr("does not offer the pixel format \"Mono14\""));
+  EXPECT_FALSE(probe_camera(other).usable);
   EXPECT_NE(double_.server().control(V4L2_CID_EXPOSURE_AUTO), V4L2_EXPOSURE_MANUAL) << "nothing is changed";
 }
 

@@ -152,8 +152,6 @@ TEST(Bench, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(refusal_without("/camera", "address"), HasSubstr("bench.json: camera.address: is missing"));
   EXPECT_THAT(refusal_with("/camera/address", 7), HasSubstr("bench.json: camera.address: has the wrong type"));
   EXPECT_THAT(refusal_with("/camera", "aravis"), HasSubstr("bench.json: camera: has the wrong type"));
-  EXPECT_THAT(refusal_with("/camera/kind", "usb"),
-              HasSubstr("camera.kind: \"usb\" is not known; make it one of \"aravis\""));
   EXPECT_THAT(refusal_with("/camera/packet_bytes", 575), HasSubstr("give 576 to 65535, or 0 to have it found"));
   EXPECT_EQ(refusal_with("/camera/packet_bytes", 0), "accepted");
   EXPECT_THAT(refusal_with("/camera/binning", 0), HasSubstr("camera.binning: is out of range"));
@@ -261,6 +259,22 @@ TEST(Bench, AReadingNearerToANeighbourIsNotOfThePlace) {
   EXPECT_DOUBLE_EQ(cell_step_mm(*bench), 0.1);
   EXPECT_DOUBLE_EQ(bench->camera.same_place_mm, 0.05);
   EXPECT_DOUBLE_EQ(bench->stage.same_place_mm, 0.05);
+}
+
+TEST(Bench, TellsWhatHasNoEffectOnItsKindOfCamera) {
+  Json json = Json::parse(documented);
+  const auto told = [&](const char* kind) {
+    json["camera"]["kind"] = kind;
+    std::vector<std::string> notes;
+    EXPECT_TRUE(parse_bench(json.dump(), "bench.json", &notes));
+    return notes;
+  };
+  json["camera"]["binning"] = 2;
+  EXPECT_THAT(told("v4l2"), testing::Contains("bench.json: camera.binning has no effect with the kind \"v4l2\""));
+  EXPECT_THAT(told("aravis"), testing::Not(testing::Contains(HasSubstr("width_px"))));
+  json["camera"]["width_px"] = 640;
+  EXPECT_THAT(told("aravis"), testing::Contains(HasSubstr("camera.width_px has no effect")));
+  EXPECT_THAT(told("replay"), testing::Not(testing::Contains(HasSubstr("has no effect"))));
 }
 
 TEST(Bench, TellsWhatItDoesNotKnow) {

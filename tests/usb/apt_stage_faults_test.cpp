@@ -145,7 +145,7 @@ TEST_P(AptStageFaults, StopsWhatAFormerOwnerLeftMoving) {
 }
 
 TEST_P(AptStageFaults, OneProgramAtATime) {
-  const AptDouble controllers(options_);
+  AptDouble controllers(options_);
   const auto usable = find_stages();
   EXPECT_EQ(std::ranges::count_if(usable, [](const auto& r) { return r.usable && r.name.starts_with("Thorlabs "); }),
             GetParam() == Kind::pair ? 2 : 1);
@@ -155,8 +155,9 @@ TEST_P(AptStageFaults, OneProgramAtATime) {
                                           {Kind::stepper_rack, "Thorlabs BSC202 70000001"},
                                           {Kind::servo_rack, "Thorlabs BBD302 103000001"}};
   EXPECT_EQ(named.name, names.at(GetParam()));
-  EXPECT_EQ(named.capabilities, GetParam() == Kind::pair ? "firmware 2.1.5; channels: 1 | firmware 2.1.5; channels: 1"
-                                                         : "firmware 2.1.5; channels: 2");
+  const std::string controller = controllers.server().controller();
+  EXPECT_EQ(named.capabilities, std::string("firmware 2.1.5; channels: ") + (GetParam() == Kind::pair ? "1" : "2") +
+                                    "; controller " + controller);
   const auto owner = controllers.open();
   ASSERT_NE(owner, nullptr);
   EXPECT_THAT(message(open_stage(controllers.settings())), HasSubstr("in use by another program"));
@@ -167,6 +168,20 @@ TEST_P(AptStageFaults, OneProgramAtATime) {
   EXPECT_THAT(at->reason, HasSubstr("in use by another program"));
   EXPECT_FALSE(at->name.empty());
   EXPECT_TRUE(owner->position()) << "not disturbed";
+}
+
+TEST_P(AptStageFaults, OfAnotherKindThanTheBenchFileSaysIsRefused) {
+  const AptDouble controllers(options_);
+  StageSettings settings = controllers.settings();
+  settings.apt.controller = GetParam() == Kind::stepper_rack ? "bbd30x" : "bsc20x";
+  const std::string calls = ", which the bench file calls " + settings.apt.controller;
+  const auto refused = open_stage(settings);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().what, HasSubstr(calls));
+  EXPECT_THAT(refused.error().remedy, HasSubstr("set stage.apt.controller to"));
+  const DeviceReport report = probe_stage(settings);
+  EXPECT_FALSE(report.usable);
+  EXPECT_THAT(report.reason, HasSubstr(calls));
 }
 
 TEST_P(AptStageFaults, WithoutPermissionTheRuleThatGivesItIsNamed) {

@@ -198,10 +198,30 @@ TEST_F(Usb3CameraTest, BrokenFramesAreToldWithARemedyForUsb) {
   Usb3Double::Options options = small();
   options.cut_every = 2;
   Usb3Double double_(options);
-  const DeviceReport report = try_camera(double_.settings(), 3, 0.001);
-  EXPECT_TRUE(report.usable);
+  Bench bench;
+  bench.camera = double_.settings();
+  bench.camera_model.width_px = 64, bench.camera_model.height_px = 48;
+  const DeviceReport report = try_camera(bench, 3, 0.001);
+  EXPECT_TRUE(report.usable) << report.reason;
   EXPECT_THAT(report.reason, HasSubstr("frames came broken"));
   EXPECT_THAT(report.remedy, AllOf(HasSubstr("off its bus"), testing::Not(HasSubstr("net"))));
+}
+
+TEST_F(Usb3CameraTest, WhatTheBenchFileAsksForIsLookedForBeforeAnythingIsSet) {
+  Usb3Double double_;
+  Bench bench;
+  bench.camera = double_.settings();
+  bench.camera_model.width_px = 32, bench.camera_model.height_px = 24;
+  EXPECT_THAT(try_camera(bench, 1, 0.001).reason,
+              HasSubstr("gives pictures of 64x48 px, but the bench's camera_model is of 32x24"));
+  bench.camera.binning = 16;
+  EXPECT_THAT(probe_camera(bench.camera).reason, HasSubstr("a binning of 16x16 is out of its range"));
+  bench.camera.pixel_format = "Mono14";
+  const DeviceReport report = probe_camera(bench.camera);
+  EXPECT_FALSE(report.usable);
+  EXPECT_THAT(report.reason, HasSubstr("does not offer the pixel format \"Mono14\""));
+  EXPECT_EQ(report.kind, "aravis");
+  EXPECT_EQ(report.serial, "D1");
 }
 
 TEST_F(Usb3CameraTest, UnpluggedItIsGoneUntilItIsOpenedAgain) {
