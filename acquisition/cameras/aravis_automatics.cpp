@@ -16,14 +16,24 @@ struct Automatic {
   const char* selector = nullptr;
   const char* wanted = "Off";
 };
+constexpr const char* by_preset = "changes colours and response as for a kind of light";
+constexpr const char* to_screens = "bends its response as for screens";
 constexpr Automatic choices[] = {{"ExposureMode", "exposes for another time than it is told", nullptr, "Timed"},
                                  {"ExposureAuto", "changes its exposure by itself"},
                                  {"GainAuto", "changes its gain by itself", "GainSelector"},
                                  {"BlackLevelAuto", "changes its black level by itself", "BlackLevelSelector"},
-                                 {"BalanceWhiteAuto", "changes its white balance by itself"}};
+                                 {"BalanceWhiteAuto", "changes its white balance by itself"},
+                                 {"LightSourcePreset", by_preset},
+                                 {"BslLightSourcePreset", by_preset},
+                                 {"ColorSpace", to_screens, nullptr, "RGB"},
+                                 {"BslColorSpaceMode", to_screens, nullptr, "RGB"},
+                                 {"BslColorSpace", to_screens}};
 constexpr Automatic switches[] = {
     {"LUTEnable", "changes values by a look-up table", "LUTSelector"},
-    {"ColorTransformationEnable", "changes colours by a matrix", "ColorTransformationSelector"}};
+    {"ColorTransformationEnable", "changes colours by a matrix", "ColorTransformationSelector"},
+    {"SaturationEnable", "changes colours by their saturation"},
+    {"HueEnable", "turns colours by a hue"},
+    {"SharpeningEnable", "mixes neighbouring pixels to sharpen them"}};
 constexpr Automatic balance{"BalanceRatio", "changes values by a factor of their colour", "BalanceRatioSelector", "1"};
 constexpr Automatic gamma_switch{"GammaEnable", "changes values by a gamma"};
 constexpr Automatic gamma_power{"Gamma", "changes values by a gamma", nullptr, "1"};

@@ -24,9 +24,11 @@ constexpr double us_per_s = 1e6;
 
 // Aravis 0.8 sends a command again when its answer is late: by 0.5 s on GigE Vision, on USB3 Vision by what the camera
 // says that it may take, 5 ms at least (USB3 Vision 1.0, bootstrap register "Maximum Device Response Time"). Somewhat
-// less here, as a trigger that is taken for repeated costs little.
+// less here: a trigger that is taken for repeated costs a new stream and the time of a frame, one that is not, a frame.
 constexpr double gige_repeat_s = 0.4, least_usb_repeat_s = 4e-3, usb_repeat_s_per_ms = 0.8e-3;
 constexpr guint64 usb_response_time_address = 0x1cc;
+
+using Clock = std::chrono::steady_clock;
 
 class AravisCamera final : public Camera {
  public:
@@ -42,12 +44,14 @@ class AravisCamera final : public Camera {
 
  private:
   Status apply_exposure(double exposure_s);
+  static void end_exposure(double left_s);
   Status set_packets();
   Status ask_response_time();
   Status start_stream();
   Status pass_over_late_frames();
   Status check_alive();
   Status trigger();
+  bool began_before(Clock::time_point time) const;
   Status control_failure(const std::string& what, const GFault& fault);
   std::string packets_name() const {
     return info_.vendor + " " + info_.model + " " + info_.serial + " at " + info_.address;
@@ -95,6 +99,7 @@ Status AravisCamera::start() {
   GFault ignored;  // a program that died may have left it streaming; a camera that is idle may refuse to stop
   arv_camera_stop_acquisition(camera_.get(), ignored.out());
   GFault fault;
+  end_exposure(arv_camera_get_exposure_time(camera_.get(), ignored.out()) / us_per_s);
   info_ = {text_or_empty(arv_camera_get_vendor_name(camera_.get(), fault.out())),
            text_or_empty(arv_camera_get_model_name(camera_.get(), fault.out())),
            text_or_empty(arv_camera_get_device_serial_number(camera_.get(), fault.out())), at_.name};
@@ -105,8 +110,16 @@ Status AravisCamera::start() {
   info_.sensor_width_px = applied_.width_px;
   info_.sensor_height_px = applied_.height_px;
   if (Status chosen = set_packets(); !chosen) return chosen;
+  if (settings_.gain != 0 && applied_.gain_db == 0)
+    info_.found += (info_.found.empty() ? "" : ", ") + std::string("a gain that counts in a unit of its own, not dB");
   if (Status timed = ask_response_time(); !timed) return timed;
   return start_stream();
+}
+
+/// A frame that a program which died left in exposure is to come before the stream begins. The camera may end it first.
+void AravisCamera::end_exposure(double left_s) {
+  constexpr double short_s = 0.05;
+  if (left_s > short_s) std::this_thread::sleep_for(std::chrono::duration<double>(std::min(left_s, 10.0)));
 }
 
 /// Others than GigE Vision cameras send no packets that could be chosen.
@@ -174,6 +187,7 @@ Status AravisCamera::apply_exposure(double exposure_s) {
   if (!(exposure_s >= applied_.shortest_s * (1 - rounding) && exposure_s <= applied_.longest_s * (1 + rounding)))
     return error("an exposure of " + say(exposure_s) + " s is out of its range",
                  "choose one from " + say(applied_.shortest_s) + " to " + say(applied_.longest_s) + " s");
+  asked_exposure_s_.reset();  // when an answer is lost, nobody knows which one it has
   GFault fault;
   const double whole_ns = std::round(exposure_s * 1e9);  // or 1100 µs come out as 1099 in cameras that count them
   arv_camera_set_exposure_time(camera_.get(), whole_ns / 1e3, fault.out());
@@ -189,16 +203,22 @@ Status AravisCamera::control_failure(const std::string& what, const GFault& faul
   return refused(settings_, what, fault);
 }
 
+/// Whether a frame that came just now, of the present exposure time, began before that.
+bool AravisCamera::began_before(Clock::time_point time) const {
+  constexpr double least_share = 0.9, clock_s = 1e-3;
+  const double since_s = std::chrono::duration<double>(Clock::now() - time).count();
+  return since_s < least_share * exposure_s_ - clock_s;
+}
+
 /// One that was sent again is due as many frames: a camera may carry it out each time, and only its answer was lost.
 Status AravisCamera::trigger() {
-  using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
   GFault fault;
   arv_camera_software_trigger(camera_.get(), fault.out());
-  if (fault) return control_failure("a software trigger", fault);
   const double spent_s = std::chrono::duration<double>(Clock::now() - begin).count();
   const int repeats = static_cast<int>(spent_s / repeat_s_);
   for (int sent = 0; sent <= repeats; ++sent) stream_->expect_frame();
+  if (fault) return control_failure("a software trigger", fault);
   return {};
 }
 
@@ -209,8 +229,11 @@ Result<RawImage> AravisCamera::expose(double exposure_s) {
 
   bool was_lost = false;
   for (int incomplete = 0; incomplete <= incomplete_limit;) {
+    const Clock::time_point asked = Clock::now();
     if (Status sent = trigger(); !sent) return tl::unexpected(sent.error());
     AravisStream::Arrival arrival = stream_->next(frame_time_s());
+    // One that comes before it can be exposed began before: a trigger was carried out twice.
+    while (arrival.came && began_before(asked)) arrival = stream_->next(frame_time_s());
     if (!arrival.came) {
       if (Status alive = check_alive(); !alive) return tl::unexpected(alive.error());
       if (was_lost)

@@ -88,7 +88,7 @@ Status select_gain(ArvCamera* camera, const CameraSettings& settings) {
 
 double AravisGain::neutral() const {
   if (is_db) return 0;
-  return low <= 1 && high >= 1 ? 1 : low;
+  return low > 0 && low <= 1 && high >= 1 ? 1 : low;
 }
 
 Result<AravisGain> aravis_gain(ArvCamera* camera, const CameraSettings& settings) {

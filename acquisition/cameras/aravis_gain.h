@@ -18,7 +18,8 @@ struct AravisGain {
 
   /// What it counts in, as it stands behind a number: " dB".
   std::string unit() const { return is_db ? " dB" : ""; }
-  /// Of a gain that adds nothing: 0 dB, else a factor of 1, else the least there is, which is the same every time.
+  /// Of a gain that adds nothing: 0 dB; else a factor of 1, where 0 is none; else the least there is, which is the same
+  /// every time.
   double neutral() const;
 };
 Result<AravisGain> aravis_gain(ArvCamera* camera, const CameraSettings& settings);

@@ -65,22 +65,22 @@ Result<std::string> capabilities_of(ArvCamera* camera, const std::string& name) 
   if (!formats) return tl::unexpected(formats.error());
   const Result<AravisGain> gain = aravis_gain(camera, settings);
   if (!gain) return tl::unexpected(gain.error());
-  GFault fault;
-  gint width = 0, height = 0, smallest = 0, columns = 1, rows = 1;
+  if (formats->empty())
+    return fail("offers no pixel format that can be measured with", "camera " + name, "use a camera with raw pictures");
+  std::string text = joined(*formats) + "; ";
+  // What a camera does not answer as it stands now, it may when it is set.
+  GFault no_size, no_times, no_binning;
+  gint smallest = 0, width = 0, height = 0, columns = 1, rows = 1;
   double shortest_us = 0, longest_us = 0;
-  arv_camera_get_width_bounds(camera, &smallest, &width, fault.out());
-  arv_camera_get_height_bounds(camera, &smallest, &height, fault.out());
-  arv_camera_get_exposure_time_bounds(camera, &shortest_us, &longest_us, fault.out());
-  if (arv_camera_is_binning_available(camera, fault.out())) {
-    arv_camera_get_x_binning_bounds(camera, &smallest, &columns, fault.out());
-    arv_camera_get_y_binning_bounds(camera, &smallest, &rows, fault.out());
-  }
-  if (fault) return refused(settings, "a question for what it can", fault);
-
-  std::string text = formats->empty() ? "no pixel format to measure with" : joined(*formats);
-  text += "; " + std::to_string(width) + "x" + std::to_string(height) + " px; exposures of " +
-          range(shortest_us * s_per_us, longest_us * s_per_us) + " s; ";
+  arv_camera_get_sensor_size(camera, &width, &height, no_size.out());
+  if (!no_size) text += std::to_string(width) + "x" + std::to_string(height) + " px; ";
+  arv_camera_get_exposure_time_bounds(camera, &shortest_us, &longest_us, no_times.out());
+  if (!no_times) text += "exposures of " + range(shortest_us * s_per_us, longest_us * s_per_us) + " s; ";
   text += gain->is_there ? "gain " + range(gain->low, gain->high) + (gain->is_db ? " dB" : ", not in dB") : "no gain";
+  if (arv_camera_is_binning_available(camera, no_binning.out())) {
+    arv_camera_get_x_binning_bounds(camera, &smallest, &columns, no_binning.out());
+    arv_camera_get_y_binning_bounds(camera, &smallest, &rows, no_binning.out());
+  }
   if (const int most = std::min(columns, rows); most > 1) text += "; binning to " + std::to_string(most);
   return text;
 }

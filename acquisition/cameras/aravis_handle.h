@@ -19,8 +19,8 @@ using CameraHandle = std::unique_ptr<ArvCamera, ReleaseCamera>;
 /// description takes to load. Errors: held by another program, no answer, not the kind of camera that was found there.
 Result<CameraHandle> take_control(const AravisAddress& at, const std::string& name);
 
-/// What an open camera can do, in words: the pixel formats that are measured with, its largest picture, exposure times,
-/// gain, binning. Only asks. Errors: an answer that does not come, or makes no sense.
+/// What an open camera can do, in words: the pixel formats that are measured with, its sensor's size, exposure times,
+/// gain, binning, as far as it tells. Only asks. Errors: none of its formats, or its formats or gain cannot be read.
 Result<std::string> capabilities_of(ArvCamera* camera, const std::string& name);
 
 }  // namespace lumifield

@@ -143,6 +143,7 @@ double V4l2Camera::frame_wait_s(std::span<const double> exposures_s) const {
 Status V4l2Camera::apply_exposure(double exposure_s) {
   const bool is_changed = exposure_s != asked_exposure_s_;
   if (is_changed) {
+    asked_exposure_s_.reset();  // when it cannot be read back, nobody knows which one it has
     const Result<double> taken = controls_->set_exposure(exposure_s);
     if (!taken) {
       if (Status alive = check_alive(); !alive) return alive;

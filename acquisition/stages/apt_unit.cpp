@@ -102,7 +102,10 @@ Status AptUnit::settle(std::uint8_t source) {
   Owed owed = std::exchange(owed_[source], {});
   for (int waits = 0; owed.count > 0 && waits < answer_waits;) {
     const Result<std::optional<AptMessage>> late = await(source, owed.answer, answer_time);
-    if (!late) return tl::unexpected(late.error());
+    if (!late) {
+      owed_[source] = owed;
+      return tl::unexpected(late.error());
+    }
     *late ? --owed.count : ++waits;
   }
   inbox_[source].clear();
@@ -114,7 +117,10 @@ Result<AptMessage> AptUnit::ask(const AptMessage& request, AptId answer) {
   for (int wait = 0; wait < answer_waits; ++wait) {
     if (Status sent = send(request); !sent) return tl::unexpected(sent.error());
     Result<std::optional<AptMessage>> message = await(request.destination, answer, answer_time);
-    if (!message) return tl::unexpected(message.error());
+    if (!message) {
+      owes(request.destination, answer, wait + 1);
+      return tl::unexpected(message.error());
+    }
     if (!*message) continue;
     owes(request.destination, answer, wait);
     return std::move(**message);

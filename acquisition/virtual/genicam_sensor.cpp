@@ -101,7 +101,9 @@ void GenicamSensor::run(FrameLink& link, std::stop_token stop) {
     std::this_thread::sleep_for(std::chrono::microseconds(500));
     if (memory_.get(registers::trigger_mode) != 0 && memory_.get(registers::trigger_software) == 0) continue;
     memory_.set(registers::trigger_software, 0);
-    if (link.acquiring() && !frozen_) expose(link, stop);
+    if (!link.acquiring() || frozen_) continue;
+    expose(link, stop);
+    if (options_.repeated_every > 0 && ++triggers_ % options_.repeated_every == 0) expose(link, stop);
   }
 }
 

@@ -19,6 +19,7 @@ struct GenicamOptions {
   std::string pixel_format = "Mono12";  ///< the one the sensor delivers, of genicam_pixels.h
   int width_px = 1024, height_px = 768;
   bool automatics = false;              ///< on at the start, and all `leftovers` of genicam_registers.h with them
+  int repeated_every = 0;               ///< each so many triggers is carried out twice
   std::vector<std::string> stuck = {};  ///< of the leftovers: keep the value of the start
 };
 /// Errors: pixel format unknown, serial empty or too long.
@@ -92,6 +93,7 @@ class GenicamSensor {
   RegisterMemory& memory_;
   std::atomic<bool> frozen_ = false;
   std::atomic<std::uint64_t> frames_ = 0;
+  int triggers_ = 0;
 };
 
 }  // namespace lumifield::virtual_bench

@@ -1,6 +1,7 @@
 #include "acquisition/virtual/usb3_camera.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <deque>
 #include <mutex>
@@ -64,6 +65,7 @@ struct Usb3Camera::Impl final : UsbFunction, FrameLink {
   std::size_t frames_kept = 0;
   bool lost_last = false;  // of the answers to triggers
   std::uint64_t next_number = 0, numbered_stream = 0;
+  std::atomic<std::uint64_t> frames_sent = 0;
 
   UsbDevice device;
   std::jthread exposure_thread;  // the last: it uses the others
@@ -157,7 +159,7 @@ struct Usb3Camera::Impl final : UsbFunction, FrameLink {
       sent += size;
     }
     transfers.push_back({trailer(head, sent), 0, true});
-    ++frames_kept;
+    ++frames_kept, ++frames_sent;
   }
 };
 
@@ -179,6 +181,6 @@ void Usb3Camera::unplug() {
   impl_->power_up();  // without power, until it is plugged in: no stream, no exposure
 }
 void Usb3Camera::freeze(bool frozen) { impl_->sensor.freeze(frozen); }
-std::uint64_t Usb3Camera::frames_sent() const { return impl_->sensor.frames_read_out(); }
+std::uint64_t Usb3Camera::frames_sent() const { return impl_->frames_sent; }
 
 }  // namespace lumifield::virtual_bench

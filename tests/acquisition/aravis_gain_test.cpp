@@ -1,11 +1,9 @@
 #include "acquisition/cameras/aravis_gain.h"
 
-#include <arv.h>
-#include <filesystem>
-#include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
+
+#include "tests/support/described_camera.h"
 
 namespace lumifield {
 namespace {
@@ -21,56 +19,38 @@ struct Gains {
   bool are_one = false;
 };
 
-/// Aravis' camera without a network, with other gains.
 class GainCamera {
  public:
-  explicit GainCamera(const Gains& gains)
-      : description_(std::filesystem::path(testing::TempDir()) / ("gains_" + std::to_string(getpid()) + ".xml")) {
-    std::ofstream(description_) << described(gains);
-    arv_set_fake_camera_genicam_filename(description_.c_str());
-    device_ = arv_fake_device_new("D1", nullptr);
-    arv_set_fake_camera_genicam_filename(nullptr);
-    for (std::size_t i = gains.selector.size(); i-- > 0;) set(gains.selector[i], gains.low + 2);
-    if (!gains.selector.empty()) set(gains.selector[gains.selected], gains.low + 2);
-    camera_ = arv_camera_new_with_device(device_, nullptr);
+  explicit GainCamera(const Gains& gains) : camera_(described(gains)) {
+    for (const std::string& part : gains.selector) set(part, gains.low + 2);
+    if (!gains.selector.empty()) camera_.set("GainSelector", gains.selector[gains.selected]);
   }
-  ~GainCamera() {
-    g_clear_object(&camera_);
-    g_clear_object(&device_);
-    std::filesystem::remove(description_);
-  }
-  GainCamera(const GainCamera&) = delete;
-  GainCamera& operator=(const GainCamera&) = delete;
 
   Result<double> apply(double gain) {
     CameraSettings settings;
     settings.address = "Fake_1";
     settings.gain = gain;
-    return set_aravis_gain(camera_, settings);
+    return set_aravis_gain(camera_.camera(), settings);
   }
   std::string refusal(double gain) {
     const Result<double> applied = apply(gain);
     return applied ? "" : applied.error().message();
   }
-  std::string selected() const { return arv_device_get_string_feature_value(device_, "GainSelector", nullptr); }
-  double now() const { return arv_device_get_float_feature_value(device_, "Gain", nullptr); }
+  std::string selected() const { return camera_.text("GainSelector"); }
+  double now() const { return camera_.number("Gain"); }
   double gain(const std::string& part) {
-    arv_device_set_string_feature_value(device_, "GainSelector", part.c_str(), nullptr);
+    camera_.set("GainSelector", part);
     return now();
   }
 
  private:
   void set(const std::string& part, double value) {
-    arv_device_set_string_feature_value(device_, "GainSelector", part.c_str(), nullptr);
-    arv_device_set_float_feature_value(device_, "Gain", value, nullptr);
+    camera_.set("GainSelector", part);
+    camera_.set("Gain", value);
   }
 
   static std::string described(const Gains& gains) {
-    ArvFakeCamera* const plain = arv_fake_camera_new("D0");
-    std::size_t size = 0;
-    const char* const text = arv_fake_camera_get_genicam_xml(plain, &size);
-    std::string xml(text, size), added;
-    g_object_unref(plain);
+    std::string added;
     if (!gains.selector.empty()) {
       added += "<Enumeration Name=\"GainSelector\">";
       for (std::size_t i = 0; i < gains.selector.size(); ++i)
@@ -81,14 +61,12 @@ class GainCamera {
              std::to_string(gains.high) + "</Max>" + (gains.unit.empty() ? "" : "<Unit>" + gains.unit + "</Unit>") +
              "</Float><FloatReg Name=\"GainOf\"><Address>0x8000</Address>";
     if (!gains.selector.empty() && !gains.are_one) added += "<pIndex Offset=\"8\">Selected</pIndex>";
-    added +=
-        "<Length>8</Length><AccessMode>RW</AccessMode><pPort>Device</pPort><Endianess>BigEndian</Endianess></FloatReg>";
-    return xml.insert(xml.rfind("</RegisterDescription>"), added);
+    return added +
+           "<Length>8</Length><AccessMode>RW</AccessMode><pPort>Device</pPort><Endianess>BigEndian</Endianess></"
+           "FloatReg>";
   }
 
-  std::filesystem::path description_;
-  ArvDevice* device_ = nullptr;
-  ArvCamera* camera_ = nullptr;
+  DescribedCamera camera_;
 };
 
 TEST(AravisGain, IsThatOfTheWholePictureAndAllOthersAddNothing) {
@@ -138,6 +116,10 @@ TEST(AravisGain, OfFactorsOrStepsIsNoDecibels) {
   ASSERT_EQ(steps.apply(400).value_or(-1), 0);
   EXPECT_EQ(steps.gain("All"), 400);
   EXPECT_EQ(steps.gain("Tap1"), 300);
+
+  GainCamera from_zero({{"All", "DigitalAll"}, 0, "", 0, 63});
+  ASSERT_EQ(from_zero.apply(20).value_or(-1), 0);
+  EXPECT_EQ(from_zero.gain("DigitalAll"), 0) << "a step of 1 would amplify";
 }
 
 TEST(AravisGain, OutOfItsRangeIsRefused) {

@@ -39,7 +39,10 @@ sockaddr_in at_gvcp(const char* address) {
   return name;
 }
 
-/// Stands before a GigE Vision camera, passes its commands and answers, and loses the first answer to each software
+/// Which answers are lost.
+enum class Loss { none, first_of_triggers, all_writes };
+
+/// Stands before a GigE Vision camera, passes its commands and answers, and loses some: at first that to each software
 /// trigger: the program sends that command again, and this camera carries it out again.
 class AnswerLosingRelay {
  public:
@@ -57,8 +60,9 @@ class AnswerLosingRelay {
   AnswerLosingRelay& operator=(const AnswerLosingRelay&) = delete;
 
   int lost() const { return lost_; }
-  /// Commands wait meanwhile.
-  void hold_up(bool held) { is_held_up_ = held; }
+  void lose(Loss loss) { loss_ = loss; }
+  /// So many commands are lost from now on.
+  void lose_commands(int count) { commands_to_lose_ = count; }
 
  private:
   struct Host {
@@ -68,6 +72,11 @@ class AnswerLosingRelay {
   using Packet = std::array<std::uint8_t, 2048>;
   static constexpr std::uint16_t write_register = 0x82, write_register_answer = 0x83;  // GigE Vision 1.2, 14
 
+  static constexpr unsigned write_memory_answer = 0x87;
+  static bool is_write_answer(unsigned command) {
+    return command == write_register_answer || command == write_memory_answer;
+  }
+
   static unsigned number(const Packet& packet, std::size_t at, int bytes) {
     unsigned value = 0;
     for (int k = 0; k < bytes; ++k) value = value << 8 | packet[at + std::size_t(k)];
@@ -76,7 +85,7 @@ class AnswerLosingRelay {
 
   void run(std::stop_token stop) {
     while (!stop.stop_requested()) {
-      std::vector<pollfd> ways{{front_, static_cast<short>(is_held_up_ ? 0 : POLLIN), 0}};
+      std::vector<pollfd> ways{{front_, POLLIN, 0}};
       for (const Host& host : hosts_) ways.push_back({host.back, POLLIN, 0});
       if (poll(ways.data(), ways.size(), 10) <= 0) continue;
       if (ways[0].revents != 0) pass_command();
@@ -91,6 +100,10 @@ class AnswerLosingRelay {
     socklen_t size = sizeof name;
     const ssize_t got = recvfrom(front_, packet.data(), packet.size(), 0, reinterpret_cast<sockaddr*>(&name), &size);
     if (got < 12) return;
+    if (commands_to_lose_ > 0) {
+      --commands_to_lose_;
+      return;
+    }
     auto host = std::ranges::find_if(hosts_, [&](const Host& each) { return each.name.sin_port == name.sin_port; });
     if (host == hosts_.end()) {
       const sockaddr_in camera = at_gvcp(camera_address);
@@ -101,7 +114,7 @@ class AnswerLosingRelay {
     const bool triggers =
         number(packet, 2, 2) == write_register && number(packet, 8, 4) == virtual_bench::registers::trigger_software;
     const unsigned id = number(packet, 6, 2);
-    if (triggers && id != last_trigger_) awaited_ = last_trigger_ = id;
+    if (loss_ == Loss::first_of_triggers && triggers && id != last_trigger_) awaited_ = last_trigger_ = id;
     send(host->back, packet.data(), std::size_t(got), 0);
   }
 
@@ -109,6 +122,7 @@ class AnswerLosingRelay {
     Packet packet{};
     const ssize_t got = recv(host.back, packet.data(), packet.size(), 0);
     if (got < 8) return;
+    if (loss_ == Loss::all_writes && is_write_answer(number(packet, 2, 2))) return;
     if (number(packet, 2, 2) == write_register_answer && awaited_ == number(packet, 6, 2)) {
       awaited_.reset();
       ++lost_;
@@ -121,7 +135,8 @@ class AnswerLosingRelay {
   std::vector<Host> hosts_;
   std::optional<unsigned> awaited_, last_trigger_;
   std::atomic<int> lost_ = 0;
-  std::atomic<bool> is_held_up_ = false;
+  std::atomic<int> commands_to_lose_ = 0;
+  std::atomic<Loss> loss_ = Loss::first_of_triggers;
   std::jthread thread_;
 };
 
@@ -180,13 +195,27 @@ TEST_F(AravisLostAnswers, ATriggerSentAgainGivesNoFrameToALaterOne) {
   EXPECT_EQ(relay_->lost(), 6);
 }
 
+TEST_F(AravisLostAnswers, AfterAFailedExposureTheNextIsAsItIsTold) {
+  const WithoutRawSockets as_an_ordinary_user;
+  const auto camera = open(settings_);
+  ASSERT_NE(camera, nullptr);
+  relay_->lose(Loss::none);
+  const auto shown_us = [&](double exposure_s) {
+    const Result<RawImage> image = camera->expose(exposure_s);
+    EXPECT_TRUE(image) << image.error().message();
+    return image ? image->dn.front() : 0;
+  };
+  EXPECT_EQ(shown_us(0.0011), 1100);
+  relay_->lose(Loss::all_writes);
+  EXPECT_THAT(refusal(*camera, 0.05), testing::HasSubstr("does not take an exposure of 0.05 s"));
+  relay_->lose(Loss::none);
+  EXPECT_EQ(shown_us(0.0011), 1100) << "not 50,000: the exposure was set, and its answer lost";
+}
+
 TEST_F(AravisLostAnswers, ACameraThatIsSilentForATimeIsOpenedAllTheSame) {
-  relay_->hold_up(true);
+  relay_->lose_commands(10);  // a look asks five times
   EXPECT_THAT(refusal(settings_), testing::HasSubstr("no camera answers"));
-  const std::jthread other([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(700));  // the first look takes 0.5 s
-    relay_->hold_up(false);
-  });
+  relay_->lose_commands(6);
   EXPECT_EQ(refusal(settings_), "opened");
 }
 

@@ -46,7 +46,7 @@ TEST_P(AptLateAnswers, PassForNoneToALaterQuestion) {
   { ASSERT_NE(controllers.open_homed(), nullptr); }
   const auto unit = AptUnit::open(controllers.settings().apt.serials[0]);
   ASSERT_TRUE(unit) << message(unit);
-  controllers.server().delay(AptUnit::answer_time + milliseconds(50));
+  controllers.server().delay(AptUnit::answer_time * 3 / 2);
   EXPECT_EQ(asked(**unit), 0) << "asked twice; the second answer is on its way";
   controllers.server().delay(milliseconds(0));
 
@@ -61,7 +61,7 @@ TEST_P(AptLateAnswers, PassForNoneAfterAQuestionThatWasGivenUp) {
   { ASSERT_NE(controllers.open_homed(), nullptr); }
   const auto unit = AptUnit::open(controllers.settings().apt.serials[0]);
   ASSERT_TRUE(unit) << message(unit);
-  controllers.server().delay(AptUnit::answer_waits * AptUnit::answer_time + milliseconds(50));
+  controllers.server().delay(AptUnit::answer_time * 5 / 2);
   EXPECT_THAT(message((*unit)->ask(question(), answer())), HasSubstr("no answer within 2 s"));
   controllers.server().delay(milliseconds(0));
 

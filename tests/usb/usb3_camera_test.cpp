@@ -172,6 +172,18 @@ TEST_F(Usb3CameraTest, ATriggerSentAgainGivesNoFrameToALaterOne) {
   EXPECT_GT(double_.server().frames_sent(), 8U);
 }
 
+TEST_F(Usb3CameraTest, AFrameThatBeganBeforeItWasAskedForIsNone) {
+  Usb3Double::Options options = small();
+  options.genicam.repeated_every = 3;
+  Usb3Double double_(options);
+  const auto camera = open(double_.settings());
+  ASSERT_NE(camera, nullptr);
+  for (int k = 1; k <= 6; ++k) {
+    SCOPED_TRACE(k);
+    expect_exact(*camera, double_, 0.05 * k);
+  }
+}
+
 TEST_F(Usb3CameraTest, FramesThatComeShortAreTakenAgain) {
   Usb3Double::Options options = small();
   options.cut_every = 3;
