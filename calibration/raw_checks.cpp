@@ -93,8 +93,9 @@ Status check_bracket(const Bracket& bracket, const Bench& bench, const std::stri
   return {};
 }
 
-Status check_dark_set(const std::shared_ptr<const DarkSet>& dark, const Bench& bench) {
-  return dark ? check_bracket(dark->bracket, bench, "dark set of block " + std::to_string(dark->block)) : Status{};
+Status check_dark_set(const std::shared_ptr<const DarkSet>& dark, const Bench& bench, const std::string& where) {
+  return dark ? check_bracket(dark->bracket, bench, where + ", dark set of block " + std::to_string(dark->block))
+              : Status{};
 }
 
 }  // namespace
@@ -139,9 +140,9 @@ Status check_raw(const RawCell& raw, const Bench& bench, const LuminaireGeometry
                   where, "take the passes in the bench's order");
     if (!pass.stage_mm.allFinite()) return fail("the stage reading is not finite", where, "check the stage");
     if (auto ok = check_bracket(pass.bracket, bench, where + ", pass " + pass.name); !ok) return ok;
-    if (auto ok = check_dark_set(pass.dark, bench); !ok) return ok;
+    if (auto ok = check_dark_set(pass.dark, bench, where); !ok) return ok;
   }
-  return check_dark_set(raw.dark, bench);
+  return check_dark_set(raw.dark, bench, where);
 }
 
 Status check_dark_exposures(const RawPass& pass, const DarkModel& dark) {

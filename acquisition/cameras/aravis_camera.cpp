@@ -64,7 +64,7 @@ class AravisCamera final : public Camera {
   }
   tl::unexpected<Error> gone(const std::string& how) {
     is_gone_ = true;
-    return error("camera gone: " + how, "check cable and power, then open it again");
+    return error("camera gone: " + how, "check cable and power");
   }
 
   CameraHandle camera_;

@@ -59,7 +59,7 @@ class V4l2Camera final : public Camera {
   double patience_s() const { return 2 * (V4l2Freshness::frames_passed_over + incomplete_limit + 1) * frame_time_s(); }
   tl::unexpected<Error> gone(const std::string& how) {
     is_gone_ = true;
-    return node_.error("camera gone: " + how, "check cable and power, then open it again");
+    return node_.error("camera gone: " + how, "check cable and power");
   }
 
   V4l2Node node_;  // the stream uses it, and ends before it

@@ -170,8 +170,7 @@ Result<double> V4l2Controls::set_exposure(double exposure_s) const {
   if (const int failure = write(*node_, V4L2_CID_EXPOSURE_ABSOLUTE, static_cast<int>(units)); failure != 0)
     return node_->refused("an exposure of " + say(exposure_s) + " s", failure);
   const std::optional<int> taken = read(*node_, V4L2_CID_EXPOSURE_ABSOLUTE);
-  if (!taken || *taken < 1)
-    return node_->error("does not tell its exposure time", "check cable and power, then open it again");
+  if (!taken || *taken < 1) return node_->error("does not tell its exposure time", "check cable and power");
   return *taken * unit_s;
 }
 

@@ -138,7 +138,7 @@ std::string V4l2Node::vendor() const {
 }
 
 tl::unexpected<Error> V4l2Node::refused(const std::string& what, int failure) const {
-  if (means_gone(failure)) return error("camera gone: its link was lost", "check cable and power, then open it again");
+  if (means_gone(failure)) return error("camera gone: its link was lost", "check cable and power");
   if (failure == EBUSY) return held(path_);
   return error("does not take " + what + " (" + std::strerror(failure) + ")",
                "check the bench file and the camera's manual");

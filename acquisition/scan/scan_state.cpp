@@ -54,7 +54,7 @@ bool can_follow(ScanState from, ScanState to) {
     case delivering:
       return to == moving || to == paused || to == parking;
     case reconnecting:
-      return to == moving || to == paused || to == parking;
+      return to == moving || to == reconnecting || to == paused || to == parking;
     case paused:
       return to == homing || to == moving || to == reconnecting || to == paused || to == parking;
     case parking:

@@ -16,6 +16,7 @@ namespace lumifield {
 ///     exposing → stabilising → moving     the lamp is not steady yet: the reference cell is read again after a while;
 ///                                         → moving too when it is
 ///     exposing → reconnecting → moving    the camera was gone and is back: the step is taken again
+///     reconnecting → reconnecting         it is not back yet
 ///     any of a step → paused              a trouble that the operator has to help with; → homing, reconnecting or
 ///                                         moving after it
 ///     any but the last three → stopped    stop requested: the stage is halted and stays there (failed, when a device

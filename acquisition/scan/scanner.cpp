@@ -15,6 +15,15 @@ namespace {
 
 constexpr int attempts = 2;
 
+/// What is to be done is said once, and a scan that was abandoned has no cause of its own.
+void add_not_parked(Error& error, const Error& parking) {
+  if (error.kind == ErrorKind::stopped)
+    error = parking;
+  else
+    error.remedy += " (the stage could not be parked" +
+                    (parking.remedy == error.remedy ? "" : ": " + parking.what + "; " + parking.remedy) + ")";
+}
+
 }  // namespace
 
 void ScanSink::seen(const Bracket&, const std::string&, const Vec2&) {}
@@ -261,14 +270,14 @@ Status Scanner::end(Status status) {
     status = scan_stopped();
     enter(ScanState::stopped);
   } else if (!status) {
-    if (status.error().kind == ErrorKind::stopped) status = fail("ended, as nobody takes its cells any more", "scan");
+    if (status.error().kind == ErrorKind::stopped)
+      status.error() = {"ended, as nobody takes its cells any more", "scan", {}, ErrorKind::stopped};
     // Bring the lamp behind the opaque patch, unless the stage does not know its place, cannot park or is silent. After
     // a stop it stays where it is.
     if (stop_.stop_requested())
       status.error().remedy += " (the stage is not parked: the operator stopped the scan)";
     else if (state_ != ScanState::homing && state_ != ScanState::parking && stage().position())
-      if (const Status parked = park(); !parked)
-        status.error().remedy += " (the stage could not be parked: " + parked.error().message() + ")";
+      if (const Status parked = park(); !parked) add_not_parked(status.error(), parked.error());
     enter(waits_for_slide ? ScanState::stopped : ScanState::failed);
   } else {
     enter(ScanState::done);

@@ -68,8 +68,8 @@ class ScanSink {
   virtual ~ScanSink() = default;
   virtual void cell(RawCell raw) = 0;
   virtual void reference(const ReferenceReading& reading) = 0;
-  virtual void progress(const ScanProgress& progress) = 0;  ///< at every change of state
-  virtual void notice(const std::string& text) = 0;         ///< what went wrong and was helped, for the operator
+  virtual void progress(const ScanProgress& progress) = 0;  ///< at every change of state, and while a camera is gone
+  virtual void notice(const std::string& text) = 0;         ///< what goes wrong and is helped, for the operator
   /// Every complete bracket, for whoever watches: where it was taken, and the stage's reading.
   virtual void seen(const Bracket& bracket, const std::string& place, const Vec2& stage_mm);
 };
@@ -145,7 +145,8 @@ class Scanner {
   }
 
   /// Runs all steps. Legal once, in state idle; refused in any other state. `stop` is the operator's; `abandon` tells
-  /// that nobody takes the cells any more: the scan ends as after a device error, parked.
+  /// that nobody takes the cells any more: the scan ends as after a device error, parked, but `kind` is stopped, as its
+  /// cause lies elsewhere; a stage that cannot be parked then is told as that failure.
   /// Errors: that of the device, with the cell and pass in front of its place; a stage that does not reach or does not
   /// hold a position; a reference cell that cannot serve; a stop request, `kind` = stopped. A device that fails while
   /// the scan is being stopped is told as that failure.

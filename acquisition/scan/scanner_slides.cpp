@@ -41,8 +41,8 @@ tl::unexpected<Error> Scanner::ask_for_slide(int pass, std::string why, const st
   progress_.slide = name_of(bench_, pass);
   const bool attended = control_ && control_->attended();
   std::string remedy = "put in the slide " + quoted(bench_, pass);
-  remedy += attended ? ", then go on" : " and go on with --resume";
-  if (!attended && slide_doubted_) remedy += ", and with --accept-drift if it is in";
+  if (attended) remedy += ", then go on";
+  if (!attended && slide_doubted_) remedy += ", or say by --accept-drift that it is in";
   return blame(Culprit::slide, place, {std::move(why), {}, std::move(remedy), ErrorKind::waiting});
 }
 

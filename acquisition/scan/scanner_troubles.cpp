@@ -57,24 +57,31 @@ Status Scanner::help(Error error, int& reconnections) {
   return hold(std::move(error), culprit);
 }
 
+/// Tells the progress at every try: somebody watches the time.
 Status Scanner::reconnect(const Error& error) {
   Stretch lost(clock_, timing_.lost_s);
-  enter(ScanState::reconnecting);
-  const double begin_s = clock_.now_s();
+  sink_->notice(error.where + ": " + error.what + "; it is waited for up to " + say(patience_s) + " s" +
+                (error.remedy.empty() ? "" : ": " + error.remedy));
+  const double begin_s = clock_.now_s(), first_step_s = first_step_s_;
+  // What is left of the scan's own time does not run down meanwhile.
+  const auto count_away_s = [&] {
+    first_step_s_ = first_step_s + clock_.now_s() - begin_s;
+    return clock_.now_s() - begin_s;
+  };
   for (;;) {
+    count_away_s();
+    enter(ScanState::reconnecting);
     const Status opened = recovery_->reopen_camera();
-    const double away_s = clock_.now_s() - begin_s;
+    const double away_s = count_away_s();
     if (opened) {
       ++cameras_lost_;
-      first_step_s_ += away_s;
       sink_->notice(error.where + ": " + error.what + "; it is back after " + say(std::round(10 * away_s) / 10) +
                     " s and " + progress_.place + " is taken again");
       return {};
     }
     if (away_s >= patience_s)
-      return fail(
-          error.what + ", and it did not come back within " + say(patience_s) + " s (" + opened.error().message() + ")",
-          error.where, error.remedy);
+      return fail_in(progress_.place, {"did not come back within " + say(patience_s) + " s: " + opened.error().what,
+                                       opened.error().where, opened.error().remedy});
     if (!clock_.wait(between_tries_s, end_.get_token())) return scan_stopped();
   }
 }
@@ -138,7 +145,8 @@ Status Scanner::check_drift(const ReferenceReading& reading, const std::string& 
                {"the light has drifted by " + say(std::round(1e4 * reading.drift) / 100) + " %, the plan allows " +
                     say(100 * plan_.reference.limit) + " %",
                 {},
-                "check lamp, filter and covers; go on if the drift may stay, which every cell records",
+                "check lamp, filter and covers; go on if the drift may stay, which every cell records (without a "
+                "window: --accept-drift)",
                 ErrorKind::waiting});
 }
 

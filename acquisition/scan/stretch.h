@@ -21,8 +21,7 @@ class Stretch {
 
 /// How a scan ends that the operator stopped.
 inline tl::unexpected<Error> scan_stopped() {
-  return tl::unexpected<Error>(
-      {"stopped by the operator", "scan", "run again with --resume to go on", ErrorKind::stopped});
+  return tl::unexpected<Error>({"stopped by the operator", "scan", {}, ErrorKind::stopped});
 }
 
 }  // namespace lumifield

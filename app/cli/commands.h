@@ -15,8 +15,9 @@ inline constexpr double default_exposure = 0.3;
 
 enum ExitCode { exit_done = 0, exit_failed = 1, exit_wrong_use = 2, exit_stopped = 3 };
 
-/// Prints an error to stderr, with --json as {"error": …} to stdout too. Returns exit_failed, or exit_stopped.
-int report_error(const Error& error, bool json);
+/// Prints an error to stderr, and how to go on on a line of its own; with --json as {"error": …} to stdout too. Returns
+/// exit_failed, or exit_stopped.
+int report_error(const Error& error, bool json, const std::string& go_on = {});
 
 struct ScanOptions {
   std::string bench, plan, out, preview, pictures;

@@ -11,11 +11,12 @@ std::string dump_json(const nlohmann::ordered_json& json) {
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-int report_error(const Error& error, bool json) {
+int report_error(const Error& error, bool json, const std::string& go_on) {
   std::fprintf(stderr, "lumifield: %s\n", error.message().c_str());
+  if (!go_on.empty()) std::fprintf(stderr, "lumifield: %s\n", go_on.c_str());
   if (json) {
-    const nlohmann::ordered_json object{
-        {"error", {{"what", error.what}, {"where", error.where}, {"remedy", error.remedy}}}};
+    nlohmann::ordered_json object{{"error", {{"what", error.what}, {"where", error.where}, {"remedy", error.remedy}}}};
+    if (!go_on.empty()) object["error"]["go_on"] = go_on;
     std::printf("%s\n", dump_json(object).c_str());
   }
   const bool waits = error.kind == ErrorKind::stopped || error.kind == ErrorKind::waiting;

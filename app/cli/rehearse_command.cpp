@@ -72,9 +72,11 @@ int run_rehearse(const RehearseOptions& options) {
   const StopOnSignal watcher(signals, [&] { stop.request_stop(); });
   StatusLine line;
   const auto told = rehearse(*request, stop.get_token(), [&](const ScanProgress& progress) {
+    if (progress.state == ScanState::done) return;  // the test shot is still to be judged
     const bool at_a_place = !progress.place.empty() && !is_final(progress.state);
     line.show(std::string(to_string(progress.state)) + (at_a_place ? ", " + progress.place : ""), at_a_place ? 1 : 0);
   });
+  if (told && told->scan.has_room()) line.show("done");
   line.end();
   if (!told) return report_error(told.error(), options.json);
   std::fputs((options.json ? dump_json(json_of(*told)) + "\n" : words(*told)).c_str(), stdout);

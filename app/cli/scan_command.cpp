@@ -77,6 +77,7 @@ int run_scan(const ScanOptions& options) {
   auto request = make_request(options);
   if (!request) return report_error(request.error(), options.json);
   const std::filesystem::path out = request->out;
+  const bool homes = request->bench.stage.home;
   const std::filesystem::path pictures = !options.pictures.empty() ? std::filesystem::path(options.pictures)
                                          : out.has_parent_path()   ? out.parent_path()
                                                                    : ".";
@@ -118,7 +119,7 @@ int run_scan(const ScanOptions& options) {
   if (recording_failed) line.say("lumifield: the recording ended early: " + recording->error()->message());
   if (!summary) {
     line.end();
-    return report_error(summary.error(), options.json);
+    return report_error(summary.error(), options.json, go_on_text((*session)->kept(), summary.error(), homes));
   }
   line.done(*summary);
   std::fputs((options.json ? summary_json(*summary) + "\n" : summary_text(*summary)).c_str(), stdout);

@@ -79,6 +79,16 @@ std::string prediction_line(const ScanPrediction& scan) {
   return text + (scan.has_room() ? "" : ": TOO LITTLE ROOM, free some");
 }
 
+std::string go_on_text(const ScanKept& kept, const Error& error, bool homes) {
+  if (kept.cells + kept.half_cells == 0) return {};
+  if (kept.cells == kept.total) return format("all %d cells are kept", kept.total);
+  std::string text = format("%d of %d cells are kept", kept.cells, kept.total);
+  if (kept.half_cells > 0) text += format(", and one pass alone of %d more", kept.half_cells);
+  const bool is_at_fault = error.kind == ErrorKind::fault || error.kind == ErrorKind::disk_full;
+  text += is_at_fault ? "; when that is mended, run again" : "; run again";
+  return text + " with --resume to go on" + (is_at_fault && homes ? " (the stage is homed first)" : "");
+}
+
 void ProgressLine::show(const ScanProgress& progress) {
   if (progress.state == ScanState::done) return;
   const int tenth = progress.cells_total > 0 ? 10 * progress.cells_done / progress.cells_total : 0;

@@ -17,6 +17,10 @@ std::string done_text(const ScanSummary& summary);
 std::string prediction_line(const ScanPrediction& scan);
 nlohmann::ordered_json prediction_json(const ScanPrediction& scan);
 
+/// How to go on with a scan that ended by `error`: "5 of 20 cells are kept; when that is mended, run again with
+/// --resume to go on". Empty where nothing is kept. `homes`: a scan that goes on homes the stage.
+std::string go_on_text(const ScanKept& kept, const Error& error, bool homes);
+
 /// The progress of a scan on stderr; its end is always told.
 class ProgressLine {
  public:

@@ -109,7 +109,7 @@ auto once_there_is_room(Pipeline& pipeline, const Write& write) {
 Status show_half(PassByPass& passes, const RawCell& raw, Pipeline& pipeline) {
   const std::string name = raw.passes.front().name, place = "cell " + to_string(raw.cell) + ", pass " + name;
   Result<std::optional<CellImage>> image = passes.alone(raw);
-  if (!image) return fail_in(place, image.error());
+  if (!image) return tl::unexpected(image.error());
   PassStored stored{raw.cell, name, nullptr};
   if (*image) {
     if (!(*image)->quality.warnings.empty())
@@ -160,7 +160,7 @@ Status develop(Developer& developer, Pipeline& pipeline, std::vector<double>& de
     const auto start = Clock::now();
     Result<CellImage> image = developer.develop(*raw);
     develop_s.push_back(seconds_since(start));
-    if (!image) return fail_in(place, image.error());
+    if (!image) return tl::unexpected(image.error());
     if (!image->quality.exposures_s.empty()) ++cells_adapted;
     if (!image->quality.warnings.empty()) {
       ++cells_with_warnings;

@@ -40,6 +40,7 @@ struct ScanSession::Impl {
   Status prepare_renderer(std::unique_ptr<Renderer>& renderer);
   void render_thread(std::promise<Status> ready);
   void run();
+  ScanKept kept() const;
   Status discard_dataset();
   Status close_dataset();
   Status close_writer();
@@ -230,9 +231,15 @@ Status ScanSession::Impl::begin() {
   return {};
 }
 
+ScanKept ScanSession::Impl::kept() const {
+  return {.cells = static_cast<int>(writer->manifest().cells.size()),
+          .total = developer.geometry().sampling.cells(),
+          .half_cells = passes ? static_cast<int>(passes->size()) : 0};
+}
+
 /// Nothing half-written: a scan that stored no cell leaves no folder behind that it made, and none changed.
 Status ScanSession::Impl::discard_dataset() {
-  if (!writer || !created || !writer->manifest().cells.empty() || (passes && passes->size() > 0)) return {};
+  if (!writer || !created || kept().cells + kept().half_cells > 0) return {};
   if (passes)
     if (Status ok = passes->remove_stale(writer->manifest()); !ok) return ok;  // a dark set whose half cell failed
   return remove_empty_dataset(request.out);
@@ -305,6 +312,8 @@ Result<ScanSummary> ScanSession::wait() {
   return guarded("scan", [&] { return impl_->finish(); });
 }
 
+ScanKept ScanSession::kept() const { return impl_->kept(); }
+
 Result<ScanSummary> ScanSession::Impl::finish() {
   summary.dataset = request.out;
   summary.timing = bench.timing;
@@ -317,8 +326,7 @@ Result<ScanSummary> ScanSession::Impl::finish() {
 
   const Status closed = close_dataset();
   if (std::optional<Error> error = pipeline.error()) {
-    if (error->kind == ErrorKind::stopped && created && writer->manifest().cells.empty() &&
-        !(passes && passes->size() > 0))
+    if (error->kind == ErrorKind::stopped && created && kept().cells + kept().half_cells == 0)
       error->remedy = "no cell was stored yet: run again to begin anew";
     if (!closed) error->what += " (and then: " + closed.error().message() + ")";
     return tl::unexpected(std::move(*error));

@@ -70,6 +70,12 @@ struct ScanSummary {
   std::string camera, stage, opengl, opencl;
 };
 
+/// What a scan that has ended leaves on the disk.
+struct ScanKept {
+  int cells = 0, total = 0;  ///< of the whole grid, with those there before
+  int half_cells = 0;        ///< beside them: whose other passes are to come
+};
+
 struct CellStored {
   CellEntry entry;
   std::shared_ptr<const CellImage> image;  ///< without its variance
@@ -126,6 +132,8 @@ class ScanSession {
   /// Joins all threads. The Error of the first stage that failed, if one did; its `kind` is `stopped` when the operator
   /// ended the scan.
   Result<ScanSummary> wait();
+  /// After `wait`.
+  ScanKept kept() const;
 
  private:
   struct Impl;

@@ -92,9 +92,19 @@ TEST_F(ScannerTest, AlarmFailsAndSaysThatTheStageIsNotParked) {
   ASSERT_FALSE(status);
   EXPECT_THAT(status.error().what, HasSubstr("alarm 1"));
   EXPECT_THAT(status.error().where, HasSubstr("cell (0, 1)"));
-  EXPECT_THAT(status.error().remedy, HasSubstr("could not be parked"));
+  EXPECT_EQ(status.error().remedy, "home it (the stage could not be parked)") << "the cause is told once";
   EXPECT_EQ(stage.halts, 1);
   EXPECT_EQ(sink.cells.size(), 1U);
+}
+
+TEST_F(ScannerTest, AStageThatCannotBeParkedAfterAnotherDeviceFailedIsTold) {
+  camera.fail_at_frame = 8;
+  camera.on_expose = [&](int frame) { stage.alarm = frame == 8; };
+  const Status status = run();
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().what, "the camera is gone");
+  EXPECT_EQ(status.error().remedy,
+            "check its cable (the stage could not be parked: alarm 1: a limit switch was hit; home it)");
 }
 
 TEST_F(ScannerTest, SilentStageIsNotParked) {
@@ -158,10 +168,25 @@ TEST_F(ScannerTest, AbandonedItParksAndFails) {
   ASSERT_TRUE(steps);
   const Status status = scanner.run(*steps, sink, stop.get_token(), abandon.get_token());
   ASSERT_FALSE(status);
-  EXPECT_EQ(status.error().kind, ErrorKind::fault);
+  EXPECT_EQ(status.error().kind, ErrorKind::stopped) << "the fault is not the scan's";
   EXPECT_EQ(scanner.state(), failed);
   EXPECT_EQ(camera.frames, 8);
   EXPECT_EQ(stage.at, dark_target_mm(bench));
+}
+
+TEST_F(ScannerTest, AbandonedWithAStageThatCannotBeParkedItTellsThat) {
+  std::stop_source abandon;
+  camera.on_expose = [&](int frame) {
+    if (frame != 8) return;
+    abandon.request_stop();
+    stage.alarm = true;
+  };
+  const auto steps = make_scan_plan(bench, plan);
+  ASSERT_TRUE(steps);
+  const Status status = scanner.run(*steps, sink, stop.get_token(), abandon.get_token());
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::fault);
+  EXPECT_EQ(status.error().message(), "parking: stage: alarm 1: a limit switch was hit; home it");
 }
 
 TEST_F(ScannerTest, DriftRefersToTheEarlierScan) {

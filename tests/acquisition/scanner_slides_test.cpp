@@ -107,8 +107,7 @@ TEST_F(ScannerSlides, WithoutAnybodyThereItEndsParkedAndSaysWhatToDo) {
   const Status ended = run();
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().kind, ErrorKind::waiting);
-  EXPECT_EQ(ended.error().message(),
-            "slide: the pass 'positive' is taken; put in the slide 'negative' and go on with --resume");
+  EXPECT_EQ(ended.error().message(), "slide: the pass 'positive' is taken; put in the slide 'negative'");
   EXPECT_EQ(sink.cells.size(), 6U);
   EXPECT_EQ(stage.at, dark_target_mm(bench));
   EXPECT_EQ(sink.reports.back().state, ScanState::stopped);
@@ -220,7 +219,7 @@ TEST_F(ScannerSlides, WithoutAnybodyThereAnUnchangedSlideEndsTheScanUnlessAccept
   const Status ended = run_left({}, {all, {}});
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().kind, ErrorKind::waiting);
-  EXPECT_THAT(ended.error().remedy, HasSubstr("go on with --resume, and with --accept-drift if it is in"));
+  EXPECT_THAT(ended.error().remedy, HasSubstr("put in the slide 'negative', or say by --accept-drift that it is in"));
   EXPECT_TRUE(sink.cells.empty());
   EXPECT_TRUE(sink.references.empty());
 

@@ -82,12 +82,28 @@ TEST_F(ScannerTroubles, ACameraThatWasGoneIsOpenedAndTheCellTakenAgain) {
   EXPECT_EQ(sink.cells.size(), 6U);
   EXPECT_EQ(recovery.cameras_opened, 4);
   EXPECT_EQ(scanner.cameras_lost(), 1);
-  EXPECT_EQ(times_in(ScanState::reconnecting), 1);
+  EXPECT_EQ(times_in(ScanState::reconnecting), 4);
   EXPECT_EQ(camera.frames, 3 + 3 + (3 + 2) + 6 * 6 + 3);  // dark, reference, what was lost, all cells, reference
   EXPECT_NEAR(scanner.timing().lost_s, 0.6, 1e-9);
-  ASSERT_EQ(sink.notices.size(), 1U);
-  EXPECT_THAT(sink.notices[0], HasSubstr("the camera is gone; it is back after 0.6 s and cell (0, 0) is taken again"));
+  EXPECT_THAT(sink.notices,
+              ElementsAre("cell (0, 0), pass negative: camera: the camera is gone; it is waited for up to 60 s: check "
+                          "its cable",
+                          HasSubstr("the camera is gone; it is back after 0.6 s and cell (0, 0) is taken again")));
   EXPECT_EQ(sink.cells[0].passes[0].bracket.size(), 3U);
+}
+
+TEST_F(ScannerTroubles, WhileACameraIsWaitedForTheTimeGoesOnAndWhatIsLeftDoesNotRunDown) {
+  camera.fail_at_frame = 11;
+  recovery.camera_refusals = 50;
+  std::vector<ScanProgress> waiting;
+  sink.on_progress = [&](const ScanProgress& p) {
+    if (p.state == ScanState::reconnecting) waiting.push_back(p);
+    EXPECT_EQ(sink.notices.empty(), waiting.empty()) << "it is said before the first look for it";
+  };
+  ASSERT_TRUE(run());
+  ASSERT_EQ(waiting.size(), 51U);
+  EXPECT_NEAR(waiting.back().elapsed_s - waiting.front().elapsed_s, 10, 1e-9);
+  EXPECT_NEAR(waiting.back().left_s, waiting.front().left_s, 1e-9);
 }
 
 TEST_F(ScannerTroubles, ACameraThatStaysAwayEndsAScanThatNobodyAttends) {
@@ -95,8 +111,7 @@ TEST_F(ScannerTroubles, ACameraThatStaysAwayEndsAScanThatNobodyAttends) {
   recovery.camera_refusals = 1 << 20;
   const Status status = run();
   ASSERT_FALSE(status);
-  EXPECT_THAT(status.error().what, HasSubstr("the camera is gone, and it did not come back within 60 s (bench: no "
-                                             "camera there"));
+  EXPECT_EQ(status.error().message(), "cell (0, 0): bench: did not come back within 60 s: no camera there; plug it in");
   EXPECT_EQ(scanner.state(), ScanState::failed);
   EXPECT_EQ(stage.at, dark_target_mm(bench));
 }

@@ -21,6 +21,7 @@ survives_losses() {
   local reference=$1 frames=$2 off_s=$3
   shift 3
   "$@" --knobs "$folder/knobs" -- bash -c "disturb $frames $off_s" || fail "the disturbed scan: $(cat disturbed)"
+  [ "$(grep -c "is waited for up to 60 s" disturbed)" -eq "$(grep -c "is back after" disturbed)" ] || fail "said otherwise: $(cat disturbed)"
   [ "$(grep -c "is back after" disturbed)" -ge "$times" ] || fail "the camera was not lost $times times: $(cat disturbed)"
   diff -r "$reference.lumi/cells" disturbed.lumi/cells || fail "the cells differ after the camera was lost"
   tr '\r' '\n' <disturbed | grep "is back after"

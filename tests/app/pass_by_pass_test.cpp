@@ -26,6 +26,7 @@ struct Told {
   std::vector<CellIndex> cells;
   std::vector<std::string> notices, troubles;
   Result<ScanSummary> summary;
+  ScanKept kept;
 };
 
 class PassByPassTest : public support::TemporaryFolder {
@@ -53,6 +54,7 @@ class PassByPassTest : public support::TemporaryFolder {
       (*session)->resume();
     }
     told.summary = (*session)->wait();
+    told.kept = (*session)->kept();
     request_.resume = true;
     return told;
   }
@@ -101,6 +103,8 @@ TEST_F(PassByPassTest, WithoutAnybodyThereItWaitsForTheNextRun) {
   ASSERT_FALSE(told.summary);
   EXPECT_EQ(told.summary.error().kind, ErrorKind::waiting);
   EXPECT_EQ(half_cells(), 6);
+  EXPECT_EQ(told.kept.half_cells, 6);
+  EXPECT_EQ(told.kept.cells, 0);
   EXPECT_TRUE(told.cells.empty());
 
   request_.accept_drift = true;  // these filters read alike

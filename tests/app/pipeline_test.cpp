@@ -89,7 +89,7 @@ TEST_F(PipelineTest, ACellThatCannotBeDevelopedClosesBothSides) {
   int warned = 0, adapted = 0;
   run_develop(*developer, pipeline_, times, warned, adapted);
   ASSERT_TRUE(pipeline_.error());
-  EXPECT_THAT(pipeline_.error()->where, HasSubstr("cell (1, 2)"));
+  EXPECT_EQ(pipeline_.error()->where, "cell (1, 2)") << "named once";
   EXPECT_FALSE(pipeline_.raw.push(raw));
   EXPECT_FALSE(pipeline_.developed.pop());
 }

@@ -114,6 +114,20 @@ TEST(ScanReport, AScanThatEndsEarlySaysHowFarItCame) {
   EXPECT_THAT(text, HasSubstr("20 of 63 cells, failed after 1:15\n"));
 }
 
+TEST(ScanReport, HowToGoOnIsSaidWhereSomethingIsKept) {
+  const Error fault{"alarm 1", "stage", "clear the way, then home"};
+  const Error stopped{"stopped by the operator", "scan", {}, ErrorKind::stopped};
+  EXPECT_EQ(go_on_text({0, 20, 0}, fault, true), "");
+  EXPECT_EQ(go_on_text({5, 20, 0}, fault, false),
+            "5 of 20 cells are kept; when that is mended, run again with --resume to go on");
+  EXPECT_EQ(go_on_text({5, 20, 0}, fault, true),
+            "5 of 20 cells are kept; when that is mended, run again with --resume to go on (the stage is homed first)");
+  EXPECT_EQ(go_on_text({5, 20, 0}, stopped, true), "5 of 20 cells are kept; run again with --resume to go on");
+  EXPECT_EQ(go_on_text({0, 20, 12}, stopped, true),
+            "0 of 20 cells are kept, and one pass alone of 12 more; run again with --resume to go on");
+  EXPECT_EQ(go_on_text({20, 20, 0}, fault, true), "all 20 cells are kept") << "only parking failed";
+}
+
 TEST(ScanReport, TheSummaryNamesTheCellsThatWereThere) {
   EXPECT_THAT(summary_text(summary(0)), testing::StartsWith("lamp.lumi: 63 of 63 cells, in 1:18\n"));
   EXPECT_THAT(summary_text(summary(40)), testing::StartsWith("lamp.lumi: 63 of 63 cells, 40 there before, in 1:18\n"));

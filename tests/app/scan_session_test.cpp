@@ -14,6 +14,7 @@
 #include "app/session/provenance.h"
 #include "calibration/develop.h"
 #include "renderer/methods/table_memory.h"
+#include "tests/support/double_bench.h"
 #include "tests/support/small_bench.h"
 
 namespace lumifield {
@@ -87,6 +88,36 @@ TEST_F(ScanSessionTest, AResumedDatasetIsLeftAsItIsWhenTheCameraDoesNotOpen) {
   const auto before = bytes();
   EXPECT_EQ(error_of_scan().where, "camera.kind");
   EXPECT_EQ(bytes(), before);
+}
+
+TEST_F(ScanSessionTest, AFrameOfTheWrongSizeIsTheOneCauseThatIsTold) {
+  test::DoubleBench doubles(80, 60);
+  request_.devices = doubles.devices();
+  auto session = ScanSession::start(request_);
+  ASSERT_TRUE(session) << session.error().message();
+  std::vector<std::string> notices;
+  while (auto event = (*session)->next_event())
+    if (const auto* notice = std::get_if<Notice>(&*event)) notices.push_back(notice->text);
+  const auto summary = (*session)->wait();
+  ASSERT_FALSE(summary);
+  EXPECT_THAT(summary.error().message(),
+              testing::StartsWith("cell (0, 0), pass positive, exposure 0: a frame of 80×60 px"));
+  EXPECT_THAT(notices, testing::IsEmpty());
+  EXPECT_EQ((*session)->kept().cells, 0);
+}
+
+TEST_F(ScanSessionTest, WhatIsKeptIsToldAfterAScanThatFailed) {
+  scan_before();
+  test::DoubleBench doubles(160, 120);
+  doubles.trip_stage_after(7);  // dark set, reference cell, two cells of two passes
+  request_.devices = doubles.devices();
+  auto session = ScanSession::start(request_);
+  ASSERT_TRUE(session) << session.error().message();
+  while ((*session)->next_event()) {
+  }
+  EXPECT_FALSE((*session)->wait());
+  EXPECT_EQ((*session)->kept().cells, 1 + 2);
+  EXPECT_EQ((*session)->kept().total, 6);
 }
 
 TEST_F(ScanSessionTest, RefusesToResumeWhatIsNotThere) {

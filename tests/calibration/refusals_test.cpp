@@ -122,7 +122,8 @@ INSTANTIATE_TEST_SUITE_P(
            for (RawImage& frame : dark->bracket) frame.gain = 6;
            r.dark = dark;
          }},
-        {"EmptyDark", "dark set of block 0: no exposure", [](RawCell& r) { r.dark = std::make_shared<DarkSet>(); }},
+        {"EmptyDark", "cell (1, 1), dark set of block 0: no exposure",
+         [](RawCell& r) { r.dark = std::make_shared<DarkSet>(); }},
         {"DarkOfOtherSize", "dark set of block 0",
          [](RawCell& r) {
            auto dark = copy_of_dark(r);
