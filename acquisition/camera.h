@@ -27,7 +27,8 @@ class Camera {
 
   /// Exposes one frame and waits for it. Only complete frames are returned; an incomplete one is taken again a bounded
   /// number of times and counted. `exposure_s` in the result is what the camera reports.
-  /// Errors: no frame within the exposure + 300 ms, camera gone, exposure outside the camera's range.
+  /// Errors: no frame within the exposure + 300 ms, camera gone; of ErrorKind::refused what opening it again does not
+  /// mend: an exposure outside the camera's range, a frame that a recording does not hold.
   virtual Result<RawImage> expose(double exposure_s) = 0;
 
   /// Where the stage stands, told before every exposure of a scan. Nothing to a camera that sees what is before it; one

@@ -216,6 +216,13 @@ Json json_of(const FilterSlide& f) {
           {"change", f.change == PassChange::stage ? "stage" : "operator"}};
 }
 
+/// A folder of frames, as seen from the bench file.
+void count_from(const std::filesystem::path& file, std::string& frames) {
+  if (frames.empty() || std::filesystem::path(frames).is_absolute()) return;
+  const std::filesystem::path place = (file.parent_path() / frames / "").lexically_normal();
+  frames = place.parent_path().string();  // without the last slash
+}
+
 }  // namespace
 
 Bench with_pass(const Bench& bench, int pass) {
@@ -266,7 +273,14 @@ Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vec
 Result<Bench> read_bench(const std::filesystem::path& file, std::vector<std::string>* notes, ReaderNotes kind) {
   const Result<std::string> text = read_file(file, JsonLimits{}.bytes);
   if (!text) return tl::unexpected(text.error());
-  return parse_bench(*text, file.string(), notes, kind);
+  Result<Bench> bench = parse_bench(*text, file.string(), notes, kind);
+  if (!bench) return bench;
+  std::error_code code;
+  const std::filesystem::path whole = std::filesystem::absolute(file, code);
+  if (code) return system_failure("could not be followed", file, code.value());
+  if (bench->camera.kind == "replay") count_from(whole, bench->camera.address);
+  if (bench->stage.kind == "replay") count_from(whole, bench->stage.path);
+  return bench;
 }
 
 std::string to_json(const Bench& b) {

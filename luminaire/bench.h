@@ -17,7 +17,7 @@ namespace lumifield {
 
 struct CameraSettings {
   std::string kind = "aravis";          ///< of those in acquisition/cameras/cameras.cpp
-  std::string address;                  ///< host address, id, serial or path, by kind
+  std::string address;                  ///< host address, id, serial or path, by kind; replay: a folder of frames
   std::string pixel_format = "Mono12";  ///< GenICam spelling
   double gain = 0;                      ///< dB; the number that it counts, of v4l2 and of a camera that tells no dB
   double readout_s = 0.02;              ///< from end of exposure to the frame in memory, for predictions
@@ -147,10 +147,11 @@ Bench with_pass(const Bench& bench, int pass);
 Vec2 lamp_displacement_mm(const Bench& bench, const Vec2& stage_mm);
 
 /// Defaults taken for absent members, and members that are not known or have no effect, are told in `notes`, one text
-/// each.
+/// each. A relative folder of frames, in `camera.address` and `stage.path` of kind "replay", counts from the file's
+/// folder, so that both can be moved together; it comes back absolute, without "." and "..".
 Result<Bench> read_bench(const std::filesystem::path& file, std::vector<std::string>* notes = nullptr,
                          ReaderNotes kind = ReaderNotes::all);
-/// `name` stands for the file in error messages.
+/// `name` stands for the file in error messages; folders of frames stay as they are written.
 Result<Bench> parse_bench(std::string_view json, std::string_view name, std::vector<std::string>* notes = nullptr,
                           ReaderNotes kind = ReaderNotes::all);
 std::string to_json(const Bench& bench);

@@ -7,8 +7,9 @@
 namespace lumifield {
 
 /// What an Error means for the program: something is at fault, the operator asked to stop, nothing goes on without the
-/// operator's word, or the disk is full and the same works once there is room.
-enum class ErrorKind { fault, stopped, waiting, disk_full };
+/// operator's word, the disk is full and the same works once there is room, or a device that is well was asked for what
+/// it does not have, and will not have when it is opened again.
+enum class ErrorKind { fault, stopped, waiting, disk_full, refused };
 
 /// An expected failure: what went wrong, where, and what the operator can do about it.
 ///
@@ -36,6 +37,12 @@ using Status = Result<void>;
 /// Use as `return fail("what", "where", "remedy");` in a function that returns a Result.
 inline tl::unexpected<Error> fail(std::string what, std::string where, std::string remedy = {}) {
   return tl::unexpected<Error>(Error{std::move(what), std::move(where), std::move(remedy)});
+}
+
+/// The same error, as one that asking again does not mend: ErrorKind::refused.
+inline tl::unexpected<Error> refused_for_good(Error error) {
+  error.kind = ErrorKind::refused;
+  return tl::unexpected<Error>(std::move(error));
 }
 
 /// Passes an error on with a larger place in front of its own: "bench.json" + ": " + "camera.address".

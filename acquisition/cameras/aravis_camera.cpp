@@ -185,8 +185,10 @@ Status AravisCamera::apply_exposure(double exposure_s) {
   if (exposure_s == asked_exposure_s_) return {};
   constexpr double rounding = 1e-9;
   if (!(exposure_s >= applied_.shortest_s * (1 - rounding) && exposure_s <= applied_.longest_s * (1 + rounding)))
-    return error("an exposure of " + say(exposure_s) + " s is out of its range",
-                 "choose one from " + say(applied_.shortest_s) + " to " + say(applied_.longest_s) + " s");
+    return refused_for_good(
+        error("an exposure of " + say(exposure_s) + " s is out of its range",
+              "choose one from " + say(applied_.shortest_s) + " to " + say(applied_.longest_s) + " s")
+            .value());
   asked_exposure_s_.reset();  // when an answer is lost, nobody knows which one it has
   GFault fault;
   const double whole_ns = std::round(exposure_s * 1e9);  // or 1100 µs come out as 1099 in cameras that count them

@@ -44,6 +44,8 @@ class ReplayCamera final : public Camera {
 
  private:
   Status check(const ListedFrame& frame, const PixelLayout& layout, const CameraSettings& settings);
+  Result<RawImage> read(const ListedFrame& frame) const;
+  bool lacks(const fs::path& file) const;
   Result<std::size_t> choose(double exposure_s);
   Result<std::size_t> choose_at_place(double exposure_s);
   Result<std::size_t> choose_next(double exposure_s);
@@ -51,7 +53,7 @@ class ReplayCamera final : public Camera {
   tl::unexpected<Error> not_recorded(double exposure_s, const std::function<bool(const ListedFrame&)>& counts,
                                      const std::string& place) const;
   tl::unexpected<Error> error(std::string what, std::string remedy) const {
-    return fail(std::move(what), "camera " + info_.address, std::move(remedy));
+    return refused_for_good({std::move(what), "camera " + info_.address, std::move(remedy)});
   }
 
   fs::path folder_;
@@ -172,17 +174,30 @@ Result<std::size_t> ReplayCamera::choose(double exposure_s) {
   return frames_.front().stage_mm ? choose_at_place(exposure_s) : choose_next(exposure_s);
 }
 
+/// A folder that is gone as a whole may come back, with the disk or the network that it is on.
+bool ReplayCamera::lacks(const fs::path& file) const {
+  std::error_code file_code, list_code;
+  return !fs::exists(file, file_code) && !file_code && fs::exists(folder_ / frame_list_name, list_code);
+}
+
+Result<RawImage> ReplayCamera::read(const ListedFrame& frame) const {
+  const fs::path file = folder_ / frame.file;
+  const Result<std::string> bytes = read_file(file, most_picture_bytes);
+  if (!bytes) return lacks(file) ? refused_for_good(bytes.error()) : tl::unexpected(bytes.error());
+  Result<RawImage> image = decode_pgm(*bytes, file.string());
+  if (!image) return refused_for_good(image.error());
+  if (image->width_px != info_.sensor_width_px || image->height_px != info_.sensor_height_px)
+    return refused_for_good(
+        {"is of another size than when it was opened", file.string(), "leave the folder as it was recorded"});
+  return image;
+}
+
 Result<RawImage> ReplayCamera::expose(double exposure_s) {
   const Result<std::size_t> chosen = choose(exposure_s);
   if (!chosen) return tl::unexpected(chosen.error());
   const ListedFrame& frame = frames_[*chosen];
-  const fs::path file = folder_ / frame.file;
-  const Result<std::string> bytes = read_file(file, most_picture_bytes);
-  if (!bytes) return tl::unexpected(bytes.error());
-  Result<RawImage> image = decode_pgm(*bytes, file.string());
+  Result<RawImage> image = read(frame);
   if (!image) return image;
-  if (image->width_px != info_.sensor_width_px || image->height_px != info_.sensor_height_px)
-    return fail("is of another size than when it was opened", file.string(), "leave the folder as it was recorded");
   given_[*chosen] = true;
   image->pattern = frame.pattern;
   image->exposure_s = frame.exposure_s;

@@ -18,7 +18,7 @@ namespace lumifield {
 /// taken within CameraSettings::same_place_mm of it with that exposure, and by the last of them ever after: in whatever
 /// order cells come, a scan is played back as it was, gone on with, tried (`rehearse`) or taken anew in part. A scan
 /// that had to go back to cells is played back as if it had not: what was exposed first counts. A place or an exposure
-/// that is not listed is refused.
+/// that is not listed is refused, and so is a picture that is gone or damaged since: for good (ErrorKind::refused).
 ///
 /// A list without places answers a scan in its order, each frame once; another exposure than the next frame's is
 /// refused, and so is one beyond the last. Exposures outside of scans, whose place is not told, are answered by the

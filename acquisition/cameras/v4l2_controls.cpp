@@ -164,9 +164,11 @@ std::string V4l2Controls::capabilities(const V4l2Node& node) {
 Result<double> V4l2Controls::set_exposure(double exposure_s) const {
   const double units = std::round(exposure_s / unit_s);
   if (!(units >= shortest_ && units <= longest_) || units < 1)
-    return node_->error("an exposure of " + say(exposure_s) + " s is out of its range",
-                        "choose one from " + say(std::max(1, shortest_) * unit_s) + " to " + say(longest_ * unit_s) +
-                            " s, in steps of 100 µs");
+    return refused_for_good(node_
+                                ->error("an exposure of " + say(exposure_s) + " s is out of its range",
+                                        "choose one from " + say(std::max(1, shortest_) * unit_s) + " to " +
+                                            say(longest_ * unit_s) + " s, in steps of 100 µs")
+                                .value());
   if (const int failure = write(*node_, V4L2_CID_EXPOSURE_ABSOLUTE, static_cast<int>(units)); failure != 0)
     return node_->refused("an exposure of " + say(exposure_s) + " s", failure);
   const std::optional<int> taken = read(*node_, V4L2_CID_EXPOSURE_ABSOLUTE);

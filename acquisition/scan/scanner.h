@@ -98,8 +98,9 @@ class ScanSink {
 /// Troubles. A camera that fails is opened again until it is back, and the step begun anew (recover_with). One that
 /// stays away, a stage that fails, stands wrong or does not hold, and a lamp that drifted beyond the plan's limit pause
 /// the scan with the stage halted, if somebody attends (ScanControl): on their word the stage is opened and homed
-/// again, the reference cell read, and the step begun anew. If nobody does, the scan ends with the error, and parks; of
-/// drift its `kind` is waiting. Drift that the operator has seen is what further drift is measured from.
+/// again, the reference cell read, and the step begun anew. So does a camera that is well and refuses what it does not
+/// have (ErrorKind::refused), which is not opened again for it. If nobody does, the scan ends with the error, and
+/// parks; of drift its `kind` is waiting. Drift that the operator has seen is what further drift is measured from.
 ///
 /// Lost steps. Before an exposure, what the controller knows can be seen: that it does not answer, is locked, did not
 /// arrive, or reads another position; then nothing is exposed. Steps that the motors lost change no reading, and no

@@ -40,7 +40,8 @@ Status Scanner::persist(const std::function<Status()>& action) {
 Status Scanner::help(Error error, int& reconnections) {
   const Culprit culprit = std::exchange(culprit_, Culprit::none);
   if (error.kind == ErrorKind::stopped || end_.stop_requested()) return tl::unexpected(std::move(error));
-  if (culprit == Culprit::camera && recovery_ && ++reconnections <= most_reconnections) {
+  if (culprit == Culprit::camera && error.kind != ErrorKind::refused && recovery_ &&
+      ++reconnections <= most_reconnections) {
     Status back = reconnect(error);
     if (back || back.error().kind == ErrorKind::stopped) return back;
     error = std::move(back).error();
@@ -124,7 +125,7 @@ Status Scanner::bring_back(Culprit culprit, const Error& error) {
   }
   if (culprit == Culprit::slip) return home_again();
   if (culprit == Culprit::slide) return change_slide();
-  if (!recovery_ || culprit == Culprit::lamp) return {};
+  if (!recovery_ || culprit == Culprit::lamp || error.kind == ErrorKind::refused) return {};
   if (culprit == Culprit::camera) return reconnect(error);
   if (Status opened = recovery_->reopen_stage(); !opened) return opened;
   return bench_.stage.home ? home_again() : Status{};

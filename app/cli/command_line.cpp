@@ -130,8 +130,10 @@ void add_scan(CLI::App& app, ScanOptions& o) {
   scan->add_option("--pictures", o.pictures, "Folder for these pictures (default: beside the dataset)");
   scan->add_option("--size", o.size, "Size of these pictures")->check(picture_size())->capture_default_str();
   scan->add_option("--exposure", o.exposure, "Exposure of their tone curve")->check(positive())->capture_default_str();
-  scan->add_option("--record", o.record,
-                   "Folder to keep every frame in, and a bench.json that plays them back without camera and stage");
+  scan->add_option(
+      "--record", o.record,
+      "Folder to keep every frame in, and a bench.json that plays them back without camera and stage; with "
+      "--resume, the one that the scan began");
   scan->add_flag("--json", o.json, "Print the summary as one JSON object");
 }
 

@@ -237,7 +237,8 @@ void Pipeline::fail(Error error) {
     if (first) error_ = std::move(error);
   }
   abandon_.request_stop();
-  if (!first && error.kind == ErrorKind::fault) events.push(Notice{error.message()});
+  if (!first && (error.kind == ErrorKind::fault || error.kind == ErrorKind::refused))
+    events.push(Notice{error.message()});
 }
 
 std::optional<Error> Pipeline::error() const {

@@ -69,15 +69,24 @@ std::string text_of(const Json& members, const std::string& pointer) {
   return members.contains(pointer) ? members[pointer].dump(-1, ' ', false, Json::error_handler_t::replace) : "absent";
 }
 
-Status check_same(const Json& recorded, const Json& now, const std::string& place) {
+/// What bench and plan were begun with, and what else there is to do.
+struct Begun {
+  const char* what;
+  const char* otherwise;
+};
+constexpr Begun dataset = {"the dataset", "scan into a new dataset"};
+constexpr Begun recording = {"the recording", "record into another folder"};
+
+Status check_same(const Json& recorded, const Json& now, const std::string& place, const Begun& begun = dataset) {
   const Json before = recorded.flatten(), after = now.flatten();
   for (const Json* side : {&after, &before})
     for (const auto& [pointer, value] : side->items())
       if (!is_free(pointer) &&
           !(before.contains(pointer) && after.contains(pointer) && before[pointer] == after[pointer]))
-        return fail("is " + text_of(after, pointer) + ", but the dataset was begun with " + text_of(before, pointer),
-                    place + ": " + key_of(pointer),
-                    "resume with the bench and the plan it was begun with, or scan into a new dataset");
+        return fail(
+            "is " + text_of(after, pointer) + ", but " + begun.what + " was begun with " + text_of(before, pointer),
+            place + ": " + key_of(pointer),
+            std::string("resume with the bench and the plan it was begun with, or ") + begun.otherwise);
   return {};
 }
 
@@ -111,6 +120,10 @@ Result<std::string> check_same_measurement(const std::string& provenance_json, c
   if (Status same = check_same(plan_then, Json::parse(to_json(plan)), "plan"); !same)
     return tl::unexpected(same.error());
   return "";
+}
+
+Status check_same_bench(const Bench& recorded, const Bench& bench) {
+  return check_same(Json::parse(to_json(recorded)), Json::parse(to_json(bench)), "bench", recording);
 }
 
 std::optional<ReferenceReading> first_reading(const std::string& provenance_json, int pass) {

@@ -17,6 +17,9 @@ namespace lumifield {
 /// on record to compare with: a note for the operator otherwise.
 Result<std::string> check_same_measurement(const std::string& provenance_json, const Bench& bench, const Plan& plan);
 
+/// The same of the bench that a recording is played back with.
+Status check_same_bench(const Bench& recorded, const Bench& bench);
+
 /// The first reading of the reference cell through this pass on record, to which the drift of all scans refers.
 std::optional<ReferenceReading> first_reading(const std::string& provenance_json, int pass = 0);
 

@@ -197,6 +197,31 @@ TEST_F(ReplayCamera, RefusesAPictureThatWasChangedSinceItWasOpened) {
   EXPECT_THAT(refusal(*camera, 0.001), HasSubstr("1.pgm: could not be opened"));
 }
 
+TEST_F(ReplayCamera, WhatOpeningItAgainDoesNotMendIsRefusedForGood) {
+  pictures(1);
+  list("file,exposure_s,stage_x_mm,stage_y_mm\n1.pgm,0.001,0,0\n");
+  const auto camera = open(settings());
+  ASSERT_NE(camera, nullptr);
+  const auto kind = [&](const Vec2& place_mm, double exposure_s) {
+    camera->tell_place(place_mm);
+    const Result<RawImage> image = camera->expose(exposure_s);
+    return image ? std::optional<ErrorKind>() : image.error().kind;
+  };
+  EXPECT_EQ(kind({0, 0}, 0.001), std::nullopt);
+  EXPECT_EQ(kind({0, 0}, 0.002), ErrorKind::refused);
+  EXPECT_EQ(kind({9, 0}, 0.001), ErrorKind::refused);
+  std::string damaged = encode_pgm(picture(1));
+  damaged.end()[-2] = '\x7f';
+  write("1.pgm", damaged);
+  EXPECT_EQ(kind({0, 0}, 0.001), ErrorKind::refused) << "13 bits, as a value";
+  write("1.pgm", encode_pgm(picture(1, 4, 4)));
+  EXPECT_EQ(kind({0, 0}, 0.001), ErrorKind::refused);
+  fs::remove(folder_ / "1.pgm");
+  EXPECT_EQ(kind({0, 0}, 0.001), ErrorKind::refused);
+  fs::remove_all(folder_);
+  EXPECT_EQ(kind({0, 0}, 0.001), ErrorKind::fault) << "the disk it is on may come back";
+}
+
 TEST(FrameList, TellsTheLineAndColumnThatIsWrong) {
   const auto refusal = [](const std::string& csv) {
     const auto frames = parse_frame_list(csv, "frames.csv");
@@ -334,6 +359,46 @@ TEST_F(ReplayCamera, ARecordingThatCannotBeWrittenEndsAndTheCameraGoesOn) {
   EXPECT_EQ((*recording)->frames(), 1u);
   ASSERT_TRUE((*recording)->error());
   EXPECT_THAT((*recording)->error()->where, HasSubstr("000002.pgm"));
+}
+
+TEST_F(ReplayCamera, ARecordingIsGoneOnWithWhereverItEnded) {
+  const fs::path kept = folder_ / "kept";
+  const auto add = [&] {
+    const auto recording = FrameRecording::resume(kept);
+    ASSERT_TRUE(recording) << recording.error().message();
+    RawImage image = picture(1);
+    image.exposure_s = 0.5;
+    (*recording)->add(image, 0.5, {1, 2});
+    EXPECT_FALSE((*recording)->error());
+  };
+  const auto names = [&] {
+    std::vector<std::string> files;
+    const auto frames = read_frame_list(kept);
+    EXPECT_TRUE(frames) << frames.error().message();
+    if (frames)
+      for (const ListedFrame& frame : *frames) files.push_back(frame.file);
+    return files;
+  };
+  const auto cut_to = [&](std::size_t bytes) { fs::resize_file(kept / frame_list_name, bytes); };
+  using testing::ElementsAre;
+  ASSERT_TRUE(FrameRecording::create(kept));
+  add();
+  EXPECT_THAT(names(), ElementsAre("000001.pgm")) << "before its first frame";
+  add();
+  cut_to(fs::file_size(kept / frame_list_name) - 1);
+  add();
+  EXPECT_THAT(names(), ElementsAre("000001.pgm", "000002.pgm")) << "in a line";
+  cut_to(frame_list_header().size());
+  add();
+  EXPECT_THAT(names(), ElementsAre("000001.pgm")) << "after the header";
+  cut_to(5);
+  add();
+  EXPECT_THAT(names(), ElementsAre("000001.pgm")) << "in the header";
+
+  const ListedFrame seventh{"000007.pgm", 0.5, 0.5, 0, SensorPattern::mono, Vec2(0, 0)};
+  std::ofstream(kept / frame_list_name) << frame_list_header() << frame_list_line(seventh);
+  add();
+  EXPECT_THAT(names(), ElementsAre("000007.pgm", "000008.pgm")) << "lines that were taken out free no number";
 }
 
 TEST_F(ReplayCamera, AReplayedStageReadsAsTheRecordedOneDid) {

@@ -122,6 +122,34 @@ TEST_F(ScannerTroubles, ACameraThatFailsAtOnceEachTimeIsNotOpenedForEver) {
   EXPECT_EQ(recovery.cameras_opened, 5);
 }
 
+TEST_F(ScannerTroubles, ACameraThatRefusesIsNotTakenForALostOne) {
+  camera.refuse_from_frame = 11;
+  const Status status = run();
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().message(),
+            "cell (0, 0), pass negative: camera: an exposure of 0.008 s is out of its range; choose another");
+  EXPECT_EQ(status.error().kind, ErrorKind::refused);
+  EXPECT_EQ(recovery.cameras_opened, 0);
+  EXPECT_EQ(camera.frames, 11);
+  EXPECT_EQ(scanner.cameras_lost(), 0);
+  EXPECT_TRUE(sink.notices.empty());
+  EXPECT_EQ(scanner.state(), ScanState::failed);
+}
+
+TEST_F(ScannerTroubles, WhatACameraRefusesIsAskedForAgainOnTheOperatorsWordOnly) {
+  attend(2);
+  camera.refuse_from_frame = 11;
+  camera.on_expose = [&](int) {
+    if (troubles.size() == 2) camera.refuse_from_frame = 0;
+  };
+  ASSERT_TRUE(run());
+  ASSERT_EQ(troubles.size(), 2U);
+  EXPECT_THAT(troubles[1], HasSubstr("out of its range"));
+  EXPECT_EQ(recovery.cameras_opened, 0);
+  EXPECT_TRUE(sink.notices.empty());
+  EXPECT_EQ(sink.cells.size(), 6U);
+}
+
 TEST_F(ScannerTroubles, ACameraThatStaysAwayPausesAndIsTriedAgainOnTheOperatorsWord) {
   attend(1);
   camera.fail_at_frame = 11;

@@ -239,6 +239,46 @@ TEST(Bench, ReadsFilesAndSaysWhyNot) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Bench, AFolderOfFramesCountsFromTheBenchFile) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("bench_test_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const auto read = [&](const std::filesystem::path& file, const std::string& kind, const std::string& address,
+                        const std::string& path) {
+    Json json = Json::parse(documented);
+    json["camera"]["kind"] = json["stage"]["kind"] = kind;
+    json["camera"]["address"] = address;
+    json["stage"]["path"] = path;
+    std::ofstream(folder / "bench.json") << json;
+    const auto bench = read_bench(file);
+    EXPECT_TRUE(bench) << bench.error().message();
+    return bench ? std::pair(bench->camera.address, bench->stage.path) : std::pair<std::string, std::string>();
+  };
+  using testing::Pair;
+  const std::filesystem::path file = folder / "bench.json", here = std::filesystem::current_path();
+  EXPECT_THAT(read(file, "replay", ".", "../a/./b/"), Pair(folder.string(), (folder.parent_path() / "a/b").string()));
+  EXPECT_THAT(read(std::filesystem::relative(file), "replay", "a", "/frames/../b"),
+              Pair((folder / "a").string(), "/frames/../b"));
+  EXPECT_THAT(read(file, "replay", "..", ""), Pair(folder.parent_path().string(), ""));
+  std::filesystem::current_path(folder);
+  EXPECT_THAT(read("bench.json", "replay", ".", "a"), Pair(folder.string(), (folder / "a").string()));
+  std::filesystem::current_path(here);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Bench, OnlyAFolderOfFramesCountsFromTheBenchFile) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / ("bench_test_" + std::to_string(getpid()) + ".json");
+  std::ofstream(file) << documented;
+  const auto read = read_bench(file), parsed = parse_bench(documented, "bench.json");
+  ASSERT_TRUE(read && parsed);
+  EXPECT_EQ(to_json(*read), to_json(*parsed));
+  Json json = Json::parse(documented);
+  json["camera"]["kind"] = "replay", json["camera"]["address"] = ".";
+  EXPECT_EQ(parse_bench(json.dump(), "bench.json")->camera.address, ".") << "a text lies nowhere";
+  std::filesystem::remove(file);
+}
+
 TEST(Bench, TwoReadingsOfAPlaceAreTwiceTheToleranceApart) {
   Json json = Json::parse(documented);
   for (const auto& [tolerance_mm, same_mm] : {std::pair(0.02, 0.1), std::pair(0.3, 0.6)}) {

@@ -10,6 +10,7 @@
 #include "acquisition/scan/bench_clock.h"
 #include "acquisition/scan/motion_time.h"
 #include "acquisition/stage.h"
+#include "luminaire/wording.h"
 
 namespace lumifield::test {
 
@@ -99,6 +100,9 @@ class CameraDouble final : public Camera {
     ++frames;
     if (on_expose) on_expose(frames);
     if (frames == fail_at_frame) return fail("the camera is gone", "camera", "check its cable");
+    if (refuse_from_frame > 0 && frames >= refuse_from_frame)
+      return refused_for_good(
+          {"an exposure of " + say(exposure_s) + " s is out of its range", "camera", "choose another"});
     clock.now += exposure_s + readout_s;
     RawImage image;
     image.width_px = camera_info.sensor_width_px, image.height_px = camera_info.sensor_height_px;
@@ -116,7 +120,7 @@ class CameraDouble final : public Camera {
   CameraInfo camera_info{"double", "memory", "1", "memory", 8, 4};
   double readout_s = 0.01, black_dn = 64;
   std::function<double(const Vec2& stage_mm)> signal_dn_per_s;
-  int fail_at_frame = 0;  ///< 0 = never
+  int fail_at_frame = 0, refuse_from_frame = 0;  ///< 0 = never
   std::function<void(int frame)> on_expose;
 
   int frames = 0;
