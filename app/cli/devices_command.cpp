@@ -83,7 +83,7 @@ void print(const Found& found) {
   std::string what = d.kind;
   if (!d.serial.empty()) what += ", serial " + d.serial;
   if (!d.capabilities.empty()) what += "; " + d.capabilities;
-  if (!what.empty()) std::printf("%20s%s\n", "", what.c_str());
+  if (what != d.kind) std::printf("%20s%s\n", "", what.c_str());
   const std::string remedy = d.remedy.empty() ? "" : "; " + d.remedy;
   if (!d.reason.empty()) std::printf("%20s%s%s\n", "", d.reason.c_str(), remedy.c_str());
 }
@@ -101,12 +101,12 @@ int run_devices(const DevicesOptions& options) {
                     {"name", d.name},
                     {"address", d.address},
                     {"usable", d.usable},
-                    {"kind", d.kind},
-                    {"serial", d.serial},
-                    {"capabilities", d.capabilities},
                     {"reason", d.reason},
                     {"remedy", d.remedy},
-                    {"bench", found.bench}});
+                    {"bench", found.bench},
+                    {"kind", d.kind},
+                    {"serial", d.serial},
+                    {"capabilities", d.capabilities}});
   }
   if (options.json) std::printf("%s\n", dump_json({{"devices", list}}).c_str());
   return unread ? exit_failed : exit_done;

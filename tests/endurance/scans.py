@@ -71,7 +71,9 @@ class Scan:
         self.process.communicate()
 
     def said(self):
-        lines = [line for line in self.said_in.read_text().splitlines() if line.startswith("lumifield: ")]
+        """Its error; how many cells are kept stands after it."""
+        lines = [line for line in self.said_in.read_text().splitlines()
+                 if line.startswith("lumifield: ") and "cells are kept" not in line]
         return lines[-1].removeprefix("lumifield: ") if lines else ""
 
     def wrong_end(self, code, words=""):
